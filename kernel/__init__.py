@@ -1,0 +1,1 @@
+"""The numerical core: a chain of pure functions from CSG text to a connected finite element model."""

@@ -1,0 +1,1 @@
+"""Connecting: couplings where dimensions change, and the checks that prove the model."""

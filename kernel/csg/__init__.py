@@ -1,0 +1,1 @@
+"""Reading: CSG text to a tree of frozen values with a place on every node."""

@@ -1,0 +1,1 @@
+"""Writing: the model as a text for a solver, one file a format."""

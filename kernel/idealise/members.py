@@ -1,0 +1,70 @@
+"""What idealisation and meshing hand to connection: the meshed parts, and the places where they must be tied."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kernel.connect.joints import Joint
+from kernel.idealise.section import SectionProperties
+from kernel.mesh.mesh import Mesh
+from kernel.segment.segments import Segment
+
+Vector = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Tie:
+    """A set of nodes that must follow another set; connect/couplings.py chooses the equations.
+
+    kind:
+      "beam_on_face"   dependent: one beam node; independent: the nodes of a shell or solid face patch, with `weights`
+                       (areas) for each. By default a weighted average (RBE3), on request rigid (RBE2) or work.
+      "rigid"          dependent nodes follow one independent node rigidly in all six (offset beams on plates, beam
+                       end at a through beam, plate edge at a beam).
+      "rigid_pairs"    dependent[k] follows independent[k] rigidly in translations only, arm included (brick on a
+                       plate's face: brick nodes have no rotations; the independent shell node's rotations count).
+      "interpolated"   dependent[k] lies on (or off by an arm from) the element face hosts[k] with shape-function
+                       weights host_weights[k] (lap joints, brick on brick with meshes that differ).
+    """
+
+    kind: str
+    joint: Joint | None
+    dependent: NDArray[np.int64]
+    independent: NDArray[np.int64] = field(default_factory=lambda: np.empty(0, np.int64))
+    weights: NDArray[np.float64] = field(default_factory=lambda: np.empty(0))
+    hosts: tuple[NDArray[np.int64], ...] = ()
+    host_weights: tuple[NDArray[np.float64], ...] = ()
+    has_rotations: bool = True
+    """The dependent nodes have rotations to be tied (beam and shell nodes; not nodes of solids only)."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class LedgerRow:
+    """Volume that the idealised model counts more (+) or less (-) often than the solid has it, and why."""
+
+    segments: tuple[str, ...]
+    cause: str
+    volume: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Assembly:
+    """The meshed parts of a model, still in the working frame.
+
+    sections: by segment id, for beams. ties: what must be coupled. ledger: double-counted corners.
+    curve_uses: for the crack audit: one row per mesh edge that lies on a shared curve or free curve,
+        (n_edge, 3) int64: node, node, expected number of shell element edges there.
+    warnings: one line each (near misses, small details removed, irregular seeds).
+    """
+
+    segments: tuple[Segment, ...]
+    joints: tuple[Joint, ...]
+    mesh: Mesh
+    sections: dict[str, SectionProperties]
+    ties: tuple[Tie, ...]
+    ledger: tuple[LedgerRow, ...] = ()
+    curve_uses: NDArray[np.int64] = field(default_factory=lambda: np.empty((0, 3), np.int64))
+    warnings: tuple[str, ...] = ()

@@ -1,0 +1,1 @@
+"""Meshing: curves, then faces, then volumes, so that what shares a curve shares its nodes."""

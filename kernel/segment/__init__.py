@@ -1,0 +1,1 @@
+"""Splitting: a solid into disjoint segments, as the conclusions say."""

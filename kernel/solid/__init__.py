@@ -1,0 +1,1 @@
+"""Evaluating: a CSG tree to a solid whose triangles lead back to analytic surfaces."""

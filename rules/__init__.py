@@ -1,0 +1,1 @@
+"""The analyst's judgement: rule bases as YAML, and the engine that turns facts into conclusions."""
