@@ -72,21 +72,15 @@ VOCABULARY: tuple[FactSpec, ...] = (
     # prism: is it swept, along what, with which section
     FactSpec("is_prismatic", "prism", "boolean", "every section along the best axis is the same, exactly"),
     FactSpec("prism_length", "prism", "length", "length along the best axis"),
-    FactSpec(
-        "free_length", "prism", "length", "longest length along the best axis between contacts with others"
-    ),
+    FactSpec("free_length", "prism", "length", "longest length along the best axis between contacts with others"),
     FactSpec("section_long", "prism", "length", "longer side of the median section's smallest rectangle"),
     FactSpec("section_short", "prism", "length", "shorter side of that rectangle"),
     FactSpec("section_area", "prism", "area", "area of the median section"),
     FactSpec("slenderness", "prism", "ratio", "prism_length / section_long"),
     FactSpec("flatness", "prism", "ratio", "section_long / section_short"),
     FactSpec("volume_deviation", "prism", "ratio", "|volume / (section_area x prism_length) - 1|"),
-    FactSpec(
-        "sections_off", "prism", "count", "of nine sections, those that differ from the median by over 2 %"
-    ),
-    FactSpec(
-        "worst_section_off", "prism", "ratio", "largest difference of a section from the median, of its area"
-    ),
+    FactSpec("sections_off", "prism", "count", "of nine sections, those that differ from the median by over 2 %"),
+    FactSpec("worst_section_off", "prism", "ratio", "largest difference of a section from the median, of its area"),
     # walls: pairs of parallel planes and coaxial cylinders at wall distance
     FactSpec("wall_count", "walls", "count", "walls found by the thin-wall decomposition"),
     FactSpec("plane_wall_count", "walls", "count", "walls that are flat"),

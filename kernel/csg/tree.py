@@ -200,9 +200,7 @@ def walk(root: CsgNode) -> Iterator[tuple[str, CsgNode]]:
     while stack:
         path, node = stack.pop()
         yield path, node
-        stack.extend(
-            (child_path(path, index), operand) for index, operand in reversed(list(enumerate(node.operands)))
-        )
+        stack.extend((child_path(path, index), operand) for index, operand in reversed(list(enumerate(node.operands))))
 
 
 def child_path(path: str, index: int) -> str:
@@ -225,9 +223,5 @@ def find(root: CsgNode, address: str) -> tuple[str, CsgNode]:
         return named[0]
     if named:
         paths = ", ".join(path for path, _ in named)
-        raise OverrideError(
-            f"the name {address!r} stands {len(named)} times, expected one of the paths {paths}"
-        )
-    raise OverrideError(
-        f"no node {address!r} in the model, expected '/', a path such as '0.1', or a node's name"
-    )
+        raise OverrideError(f"the name {address!r} stands {len(named)} times, expected one of the paths {paths}")
+    raise OverrideError(f"no node {address!r} in the model, expected '/', a path such as '0.1', or a node's name")
