@@ -1,0 +1,190 @@
+"""The main flow, from a CSG text to a deck: read it top-down.
+
+    csg        = read("bracket.csg")                    text -> CSG tree
+    classified = classify(csg)                          -> solid -> facts, rules -> segments, joints
+    meshed     = mesh(classified, MeshOptions(size=8))  -> shared curves, elements -> connected model, checked
+    deck       = write_deck(meshed, "bracket.bdf")      -> the bytes of a deck
+
+Each stage is a function of the values before it; nothing here holds state. `seconds` says what each stage took.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from kernel.csg.tree import CsgModel, find
+from kernel.deck.deck import format_for
+from kernel.errors import OverrideError
+from kernel.mesh.options import MeshOptions
+from kernel.plan import OVERRIDES, Override
+from kernel.units import UnitSet, unit_set
+
+if TYPE_CHECKING:
+    from kernel.connect.checks import Checks
+    from kernel.connect.joints import Joint
+    from kernel.connect.model import Model
+    from kernel.idealise.members import Assembly
+    from kernel.segment.partition import Partition
+    from kernel.solid.evaluate import Evaluated
+    from rules.engine import RuleBase
+
+Progress = Callable[[str, float], None]
+"""Called with a stage's name and the share of it that is done, 0..1."""
+
+DEFAULT_MATERIAL = "steel"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Classified:
+    """A model broken into segments: what `csgmesh classify` shows."""
+
+    csg: CsgModel
+    units: UnitSet
+    rule_base: RuleBase
+    evaluated: Evaluated
+    partition: Partition
+    joints: tuple[Joint, ...]
+    seconds: dict[str, float]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Meshed:
+    """A connected model with its proof: what `csgmesh mesh` shows and writes."""
+
+    classified: Classified
+    options: MeshOptions
+    assembly: Assembly
+    model: Model
+    checks: Checks
+    quality: dict[str, Any]
+    seconds: dict[str, float]
+
+
+def read(path: str) -> CsgModel:
+    """The CSG model in the file at `path`, "-" for standard input."""
+    from kernel.csg.reader import read_file
+
+    return read_file(path)
+
+
+def classify(
+    csg: CsgModel,
+    *,
+    overrides: Mapping[str, Override] | None = None,
+    rules: str | RuleBase | None = None,
+    units: str | None = None,
+    progress: Progress | None = None,
+) -> Classified:
+    """Evaluate the solid, let the rules and the user's overrides decide, split it into segments and find their joints.
+
+    overrides: by node path or name. rules: a rule base or the path of one, None for the base that comes with csgmesh.
+    units: overrides what the model says; "mm" where neither says anything.
+    """
+    from kernel.connect.contacts import find_joints
+    from kernel.segment.partition import partition
+    from kernel.solid.evaluate import evaluate
+    from rules.engine import load_rule_base
+
+    clock = _Clock(progress)
+    units_used = unit_set(units or csg.units or "mm")
+    pinned = resolve_overrides(csg, overrides or {})
+    with clock("rules"):
+        rule_base = load_rule_base(rules) if rules is None or isinstance(rules, str) else rules
+    with clock("evaluate"):
+        evaluated = evaluate(csg)
+    with clock("segment"):
+        parts = partition(evaluated, rule_base.decide, pinned)
+    with clock("joints"):
+        joints = find_joints(parts.segments, evaluated)
+    return Classified(csg, units_used, rule_base, evaluated, parts, joints, clock.seconds)
+
+
+def mesh(
+    classified: Classified,
+    options: MeshOptions | None = None,
+    *,
+    material: str | None = None,
+    coupling: str = "distributing",
+    progress: Progress | None = None,
+) -> Meshed:
+    """Idealise and mesh the segments on shared curves, couple them, and check the connected model.
+
+    material: a named material for every segment, None for what the model's MATERIAL says, else steel.
+    coupling: "distributing" (RBE3), "rigid" (RBE2) or "work" (equations), where dimensions change.
+    """
+    from kernel.connect.build import build_model
+    from kernel.connect.checks import check_model
+    from kernel.mesh.assemble import assemble
+    from kernel.mesh.quality import mesh_quality
+
+    clock = _Clock(progress)
+    options = options or MeshOptions()
+    csg, evaluated = classified.csg, classified.evaluated
+    with clock("mesh"):
+        assembly = assemble(evaluated, classified.partition.segments, classified.joints, options, clock.part)
+    with clock("quality"):
+        quality = mesh_quality(assembly.mesh)
+    with clock("connect"):
+        model = build_model(
+            assembly,
+            evaluated,
+            csg,
+            units=classified.units,
+            material=material,
+            coupling=coupling,
+            title=csg.source,
+            rule_base=f"{classified.rule_base.name} {classified.rule_base.version}",
+        )
+    with clock("check"):
+        checks = check_model(model, assembly, evaluated)
+    return Meshed(classified, options, assembly, model, checks, quality, {**classified.seconds, **clock.seconds})
+
+
+def write_deck(meshed: Meshed, path: str, deck_format: str | None = None) -> bytes:
+    """The model as the bytes of a deck, in `deck_format` or the format that the ending of `path` means."""
+    return format_for(path, deck_format).write(meshed.model)
+
+
+def resolve_overrides(csg: CsgModel, overrides: Mapping[str, Override]) -> dict[str, Override]:
+    """The overrides by canonical path, `auto` left out; OverrideError for an unknown node, type, or two of one node."""
+    resolved: dict[str, Override] = {}
+    named: dict[str, str] = {}
+    for address, override in overrides.items():
+        if override.type not in OVERRIDES:
+            expected = ", ".join(OVERRIDES)
+            raise OverrideError(f"override {address}={override.type}: unknown type, expected one of {expected}")
+        path, _ = find(csg.root, address)
+        if path in named:
+            raise OverrideError(f"overrides {named[path]!r} and {address!r} are both of node {path}, expected one")
+        named[path] = address
+        if override.type != "auto":
+            resolved[path] = override
+    return resolved
+
+
+class _Clock:
+    """Times the stages of one call and passes their progress on."""
+
+    def __init__(self, progress: Progress | None) -> None:
+        self.seconds: dict[str, float] = {}
+        self._progress = progress
+        self._stage = ""
+
+    @contextmanager
+    def __call__(self, stage: str) -> Iterator[None]:
+        """Time a block as `stage`."""
+        self._stage = stage
+        self.part(stage, 0.0)
+        start = time.perf_counter()
+        yield
+        self.seconds[stage] = time.perf_counter() - start
+        self.part(stage, 1.0)
+
+    def part(self, what: str, share: float) -> None:
+        """`share` of the current stage is done."""
+        if self._progress is not None:
+            self._progress(what or self._stage, share)
