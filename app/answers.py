@@ -1,0 +1,172 @@
+"""From the pipeline's values to the JSON of app/schemas.py: the one place that knows both."""
+
+from __future__ import annotations
+
+from collections import Counter
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from app.schemas import (
+    ChecksAnswer,
+    Classification,
+    DecisionAnswer,
+    JointAnswer,
+    MassAnswer,
+    MeshAnswer,
+    RejectedAnswer,
+    SectionAnswer,
+    SegmentAnswer,
+    SolidAnswer,
+)
+
+if TYPE_CHECKING:
+    from app.pipeline import Classified, Meshed
+    from kernel.csg.tree import CsgModel
+    from kernel.idealise.section import SectionProperties
+    from kernel.plan import Decision
+    from kernel.segment.segments import Segment
+    from kernel.solid.evaluate import Evaluated
+
+
+def classification(classified: Classified) -> Classification:
+    """What `classify --json` gives."""
+    return Classification(**_common(classified, {}))
+
+
+def meshed_answer(meshed: Meshed) -> MeshAnswer:
+    """What `mesh --json` gives."""
+    checks = meshed.checks
+    common = _common(meshed.classified, meshed.assembly.sections)
+    common["checks"] = ChecksAnswer(
+        volume_of_segments=common["checks"].volume_of_segments,
+        mass_error=checks.mass_error,
+        **_check_fields(checks),
+    )
+    return MeshAnswer(
+        **common,
+        nodes=meshed.model.mesh.n_node,
+        elements=meshed.model.mesh.count(),
+        couplings=dict(sorted(Counter(type(c).__name__.lower() for c in meshed.model.couplings).items())),
+        components=checks.components,
+        quality=plain(meshed.quality),
+        mass=MassAnswer(solid=checks.solid_mass, model=checks.model_mass, error=checks.mass_error),
+        ledger=[
+            {"segments": list(row.segments), "cause": row.cause, "volume": float(row.volume)}
+            for row in meshed.assembly.ledger
+        ],
+        warnings=list(meshed.assembly.warnings),
+        seconds={stage: round(seconds, 4) for stage, seconds in meshed.seconds.items()},
+    )
+
+
+def solid_answer(csg: CsgModel, evaluated: Evaluated, units: str) -> SolidAnswer:
+    """What `evaluate --json` gives; the bounds are in the user's frame."""
+    solid = evaluated.solid
+    points = solid.facets.vertices @ evaluated.frame.T
+    return SolidAnswer(
+        model=csg.source,
+        units=units,
+        volume=float(solid.true_volume),
+        area=float(solid.area),
+        bounds=[points.min(axis=0).tolist(), points.max(axis=0).tolist()],
+        triangles=len(solid.facets.triangles),
+    )
+
+
+def section_answer(section: SectionProperties) -> SectionAnswer:
+    """A beam's section."""
+    names = ("area", "iyy", "izz", "iyz", "j", "shear_area_y", "shear_area_z")
+    return SectionAnswer(shape=section.shape, **{name: float(getattr(section, name)) for name in names})
+
+
+def decision_answer(decision: Decision) -> DecisionAnswer:
+    """Why a node is what it is."""
+    by_rule = decision.by_rule
+    return DecisionAnswer(
+        rule=by_rule.rule,
+        certainty=by_rule.certainty,
+        because=by_rule.because,
+        rejected=[RejectedAnswer(type=r.type, rule=r.rule, because=r.because) for r in by_rule.rejected],
+        by_rule=by_rule.type,
+        margin=by_rule.margin,
+        conflicts=list(by_rule.conflicts),
+    )
+
+
+def segment_answer(segment: Segment, section: SectionProperties | None) -> SegmentAnswer:
+    """One segment; `section` for beams."""
+    return SegmentAnswer(
+        id=segment.id,
+        node=segment.node,
+        name=segment.name,
+        type=segment.type,
+        origin=segment.origin,
+        volume=float(segment.volume),
+        thickness=_maybe(segment.thickness),
+        length=_maybe(segment.length),
+        radius=_maybe(segment.radius),
+        holes=segment.holes,
+        section=None if section is None else section_answer(section),
+        decision=decision_answer(segment.decision),
+    )
+
+
+def plain(value: Any) -> Any:
+    """numpy's scalars and arrays, tuples and dataclasses' dicts as JSON's own types."""
+    if isinstance(value, dict):
+        return {str(key): plain(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [plain(item) for item in value]
+    if isinstance(value, np.ndarray):
+        return value.tolist()
+    if isinstance(value, np.generic):
+        return value.item()
+    return value
+
+
+def _common(classified: Classified, sections: dict[str, SectionProperties]) -> dict[str, Any]:
+    segments = classified.partition.segments
+    volume = float(classified.evaluated.solid.true_volume)
+    of_segments = float(sum(segment.volume for segment in segments))
+    return {
+        "model": classified.csg.source,
+        "units": classified.units.name,
+        "volume": volume,
+        "rule_base": f"{classified.rule_base.name} {classified.rule_base.version}",
+        "segments": [segment_answer(s, _section(s, sections)) for s in segments],
+        "joints": [
+            JointAnswer(id=j.id, kind=j.kind, segments=list(j.segments), area=float(j.area)) for j in classified.joints
+        ],
+        "checks": ChecksAnswer(
+            volume_of_segments=of_segments, mass_error=abs(of_segments - volume) / volume if volume else 0.0
+        ),
+    }
+
+
+def _section(segment: Segment, sections: dict[str, SectionProperties]) -> SectionProperties | None:
+    from kernel.segment.segments import BeamShape
+
+    if not isinstance(segment.shape, BeamShape):
+        return None
+    if segment.id in sections:
+        return sections[segment.id]
+    from kernel.idealise.section import section_properties
+
+    return section_properties(segment.shape.outline)
+
+
+def _check_fields(checks: Any) -> dict[str, Any]:
+    """Every plain number, text and list that the checks carry, under its own name."""
+    import dataclasses
+
+    fields = {f.name: plain(getattr(checks, f.name)) for f in dataclasses.fields(checks)}
+    return {
+        name: value
+        for name, value in fields.items()
+        if name not in ("mass_error", "volume_of_segments") and isinstance(value, int | float | str | bool | list)
+    }
+
+
+def _maybe(value: float | None) -> float | None:
+    return None if value is None else float(value)

@@ -1,0 +1,280 @@
+"""The command line. `main` is the console script; every command is a few lines over app/pipeline.py.
+
+Imports here are late on purpose: `csgmesh tree` must not wait for numba, pydantic or the service's libraries.
+"""
+
+from __future__ import annotations
+
+import os
+import signal
+import sys
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Annotated, NoReturn
+
+import typer
+
+from app import texts
+from app.output import check_writable, write_files
+from kernel.errors import CsgmeshError, OptionError
+
+if TYPE_CHECKING:
+    from app.pipeline import Classified
+    from kernel.csg.tree import CsgModel
+    from kernel.plan import Override
+
+USAGE_STATUS = 2
+PIPE_STATUS = 128 + signal.SIGPIPE
+ALL_NODES = "*"
+"""What `--explain` means without a node."""
+
+app = typer.Typer(
+    name="csgmesh",
+    help="CSG solids to connected finite element models of beams, plates, cylinder-plates and bricks, by rules.",
+    no_args_is_help=False,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+    rich_markup_mode=None,
+)
+
+ModelArgument = Annotated[str, typer.Argument(metavar="MODEL", help="A .csg or .json file; - for standard input.")]
+RulesOption = Annotated[str | None, typer.Option("--rules", metavar="FILE", help="Rule base instead of the own one.")]
+OverrideOption = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--override",
+        metavar="NODE=TYPE",
+        help="Decide a node yourself, by path or name: beam, plate, plates, cylinder_plate, brick, split, auto.",
+    ),
+]
+UnitsOption = Annotated[str | None, typer.Option("--units", help="mm (default), cm, m, in, ft.")]
+JsonOption = Annotated[bool, typer.Option("--json", help="Print JSON instead of text.")]
+
+
+@app.callback(invoke_without_command=True)
+def root(
+    context: typer.Context,
+    version: Annotated[bool, typer.Option("--version", help="Print the version and stop.")] = False,
+) -> None:
+    """Options of csgmesh itself."""
+    if version:
+        from importlib.metadata import version as version_of
+
+        typer.echo(f"csgmesh {version_of('csgmesh')}")
+    elif context.invoked_subcommand is None:
+        typer.echo(context.get_help())
+
+
+@app.command()
+def mesh(
+    model: ModelArgument,
+    output: Annotated[str, typer.Option("--output", "-o", metavar="DECK", help="The deck to write.")],
+    deck_format: Annotated[str | None, typer.Option("--format", help="Instead of what DECK's ending means.")] = None,
+    size: Annotated[
+        float | None, typer.Option(help="Target length of an element's edge; automatic by default.")
+    ] = None,
+    order: Annotated[int, typer.Option(help="1 or 2.")] = 1,
+    faces: Annotated[str, typer.Option(help="Shells of: quad, tri.")] = "quad",
+    volumes: Annotated[str, typer.Option(help="Bricks of: auto, hex, tet.")] = "auto",
+    units: UnitsOption = None,
+    rules: RulesOption = None,
+    override: OverrideOption = None,
+    material: Annotated[str | None, typer.Option(metavar="NAME|FILE", help="Material of every segment.")] = None,
+    coupling: Annotated[str, typer.Option(help="distributing, rigid, work.")] = "distributing",
+    report: Annotated[str | None, typer.Option(metavar="FILE.html", help="Write a report with pictures too.")] = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Mesh MODEL and write the deck."""
+    from app import pipeline
+    from app.progress import progress_bar
+    from kernel.deck.deck import format_for
+    from kernel.mesh.options import MeshOptions
+
+    outputs = [output] if report is None else [output, report]
+    if len({os.path.realpath(path) for path in outputs}) < len(outputs):
+        raise OptionError(f"{output}: the deck and the report are one file, expected two")
+    for path in outputs:
+        check_writable(path)
+    format_for(output, deck_format)
+    options = MeshOptions(size=size, order=order, faces=faces, volumes=volumes)
+    with progress_bar() as progress:
+        classified = pipeline.classify(
+            pipeline.read(model), overrides=_overrides(override), rules=rules, units=units, progress=progress
+        )
+        meshed = pipeline.mesh(classified, options, material=material, coupling=coupling, progress=progress)
+        contents = {output: pipeline.write_deck(meshed, output, deck_format)}
+        if report is not None:
+            from app.report.page import report_page
+
+            contents[report] = report_page(meshed).encode()
+    write_files(contents)
+    from app.answers import meshed_answer
+
+    answer = meshed_answer(meshed)
+    _print(answer.model_dump_json(indent=1) if as_json else texts.mesh_text(answer, output))
+
+
+@app.command()
+def classify(
+    model: ModelArgument,
+    rules: RulesOption = None,
+    override: OverrideOption = None,
+    explain: Annotated[
+        str | None, typer.Option(metavar="[NODE]", help="Facts, rules and rejected alternatives, of NODE or of all.")
+    ] = None,
+    units: UnitsOption = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Show the segments of MODEL, and why each is what it is."""
+    classified = _classified(model, rules, override, units)
+    if explain is not None:
+        node = None if explain == ALL_NODES else explain
+        explained = texts.explanation(classified, node)
+        _print(texts.as_json(explained) if as_json else texts.explanation_text(explained))
+        return
+    if as_json:
+        from app.answers import classification
+
+        _print(classification(classified).model_dump_json(indent=1))
+    else:
+        _print(texts.classification_text(classified))
+
+
+@app.command()
+def tree(model: ModelArgument, as_json: JsonOption = False) -> None:
+    """Show the CSG tree of MODEL."""
+    csg = _read(model)
+    if as_json:
+        from kernel.csg.treejson import tree_to_json
+
+        _print(texts.as_json(tree_to_json(csg)))
+    else:
+        _print(texts.tree_text(csg))
+
+
+@app.command()
+def evaluate(
+    model: ModelArgument,
+    output: Annotated[str, typer.Option("--output", "-o", metavar="SOLID", help="stl, glb, 3mf or ply.")],
+    units: UnitsOption = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Write the solid of MODEL as a surface of triangles."""
+    from app.solidfile import ending_of, solid_file
+    from kernel.solid.evaluate import evaluate as evaluate_solid
+    from kernel.units import unit_set
+
+    ending = ending_of(output)
+    check_writable(output)
+    csg = _read(model)
+    unit_name = unit_set(units or csg.units or "mm").name
+    evaluated = evaluate_solid(csg)
+    write_files({output: solid_file(evaluated, ending)})
+    from app.answers import solid_answer
+
+    answer = solid_answer(csg, evaluated, unit_name)
+    _print(answer.model_dump_json(indent=1) if as_json else texts.solid_text(answer, output))
+
+
+@app.command()
+def serve(
+    host: Annotated[str | None, typer.Option(help="Address to listen at; 127.0.0.1 by default.")] = None,
+    port: Annotated[int | None, typer.Option(help="Port to listen at; 8000 by default.")] = None,
+    data: Annotated[str | None, typer.Option(metavar="FOLDER", help="Where models and meshes are kept.")] = None,
+    database: Annotated[str | None, typer.Option(metavar="URL", help="SQLAlchemy URL; SQLite in FOLDER.")] = None,
+) -> None:
+    """Serve the same pipeline over HTTP, with a web page."""
+    from app.api.server import run_server
+    from app.settings import load_settings
+
+    run_server(load_settings(host=host, port=port, data=data, database=database))
+
+
+def main() -> None:
+    """The console script."""
+    sys.exit(run(sys.argv[1:]))
+
+
+def run(arguments: Sequence[str]) -> int:
+    """Run one command; gives the exit status. Every failure is one line on standard error."""
+    signal.signal(signal.SIGTERM, _stop)
+    # the bases of typer's own errors are click's, which some versions of typer bring along under another name
+    usage_error = next(base for base in typer.BadParameter.__mro__ if base.__name__ == "ClickException")
+    try:
+        status = app(_with_explain(arguments), prog_name="csgmesh", standalone_mode=False)
+        sys.stdout.flush()
+    except BrokenPipeError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return PIPE_STATUS
+    except CsgmeshError as error:
+        return _fail(f"defect: {error}" if error.exit_status == 1 else str(error), error.exit_status)
+    except usage_error as error:  # type: ignore[misc]
+        return _fail(error.format_message(), USAGE_STATUS)  # type: ignore[attr-defined]
+    except (typer.Abort, KeyboardInterrupt):
+        return _fail("interrupted", 130)
+    except Exception as error:  # noqa: BLE001  the edge of the program: a defect is one line too, its traceback in a file
+        return _defect(error)
+    return status if isinstance(status, int) else 0
+
+
+def _defect(error: Exception) -> int:
+    from app.logs import record_defect
+
+    if os.environ.get("CSGMESH_DEBUG"):
+        import traceback
+
+        traceback.print_exception(error)
+    path = record_defect(error)
+    where = f" (traceback in {path})" if path else ""
+    return _fail(f"defect: {type(error).__name__}: {error}{where}", 1)
+
+
+def _fail(message: str, status: int) -> int:
+    sys.stderr.write(f"error: {' '.join(message.split())}\n")
+    return status
+
+
+def _stop(_signal: int, _frame: object) -> NoReturn:
+    """SIGTERM as an exception, so that temporary files and child processes go too."""
+    raise SystemExit(128 + signal.SIGTERM)
+
+
+def _with_explain(arguments: Sequence[str]) -> list[str]:
+    """`--explain` without a node, which typer cannot express, as `--explain *`."""
+    given = list(arguments)
+    for index, argument in enumerate(given):
+        following = given[index + 1 : index + 2]
+        if argument == "--explain" and (not following or following[0].startswith("-")):
+            given[index] = f"--explain={ALL_NODES}"
+    return given
+
+
+def _print(text: str) -> None:
+    sys.stdout.write(text.rstrip("\n") + "\n")
+
+
+def _read(model: str) -> CsgModel:
+    from app import pipeline
+
+    return pipeline.read(model)
+
+
+def _classified(model: str, rules: str | None, override: list[str] | None, units: str | None) -> Classified:
+    from app import pipeline
+
+    pinned = _overrides(override)
+    return pipeline.classify(pipeline.read(model), overrides=pinned, rules=rules, units=units)
+
+
+def _overrides(texts_given: list[str] | None) -> dict[str, Override]:
+    """NODE=TYPE by node; OptionError where one is written otherwise or a node stands twice."""
+    from kernel.plan import Override
+
+    overrides: dict[str, Override] = {}
+    for text in texts_given or []:
+        node, equals, kind = text.rpartition("=")
+        if not equals or not node or not kind:
+            raise OptionError(f"--override {text!r}: expected NODE=TYPE, such as 0.1=brick")
+        if node in overrides:
+            raise OptionError(f"--override {text!r}: node {node} is overridden twice, expected once")
+        overrides[node] = Override(kind, author="command line")
+    return overrides

@@ -1,0 +1,44 @@
+"""Logs: structured lines on standard error, one a happening; never on standard output."""
+
+from __future__ import annotations
+
+import os
+import sys
+import tempfile
+import traceback
+from pathlib import Path
+
+
+def configure_logs(as_json: bool = False) -> None:
+    """Send structlog's lines to standard error, from the level in CSGMESH_LOG (default "info")."""
+    import logging
+
+    import structlog
+
+    level = logging.getLevelNamesMapping().get(os.environ.get("CSGMESH_LOG", "info").upper(), logging.INFO)
+    last = structlog.processors.JSONRenderer() if as_json else structlog.dev.ConsoleRenderer(colors=sys.stderr.isatty())
+    structlog.configure(
+        processors=[
+            structlog.contextvars.merge_contextvars,
+            structlog.processors.add_log_level,
+            structlog.processors.TimeStamper(fmt="iso", utc=True),
+            structlog.processors.format_exc_info,
+            last,
+        ],
+        wrapper_class=structlog.make_filtering_bound_logger(level),
+        logger_factory=structlog.PrintLoggerFactory(sys.stderr),
+        cache_logger_on_first_use=True,
+    )
+
+
+def record_defect(error: BaseException) -> str:
+    """Write the traceback of a defect to a file of its own; gives that file's path, "" where none can be written."""
+    try:
+        folder = Path(os.environ.get("XDG_STATE_HOME") or Path.home() / ".local" / "state") / "csgmesh"
+        folder.mkdir(parents=True, exist_ok=True)
+        handle, path = tempfile.mkstemp(prefix="defect-", suffix=".log", dir=folder)
+        with os.fdopen(handle, "w", encoding="utf-8") as stream:
+            stream.writelines(traceback.format_exception(error))
+    except OSError:
+        return ""
+    return path

@@ -1,0 +1,71 @@
+"""Output files: all of it or nothing, never half-written."""
+
+from __future__ import annotations
+
+import os
+import stat
+import tempfile
+from collections.abc import Mapping
+from pathlib import Path
+
+from kernel.errors import OptionError
+
+
+def check_writable(path: str) -> None:
+    """OptionError where a file at `path` could not be written; asked before the work starts."""
+    target = Path(os.path.realpath(path))
+    if target.is_dir():
+        raise OptionError(f"{path}: is a folder, expected a file to write")
+    folder = target.parent
+    if not folder.is_dir():
+        raise OptionError(f"{path}: there is no folder {folder}")
+    writable = os.access(target, os.W_OK) if _is_special(target) else os.access(folder, os.W_OK | os.X_OK)
+    if not writable or (target.exists() and not os.access(target, os.W_OK)):
+        raise OptionError(f"{path}: cannot be written, permission denied")
+
+
+def write_files(contents: Mapping[str, bytes]) -> None:
+    """Write every file of `contents` (path -> bytes): beside its place first, then all moved there.
+
+    A link is followed; a device or pipe (/dev/stdout) is written to directly. OptionError where writing fails.
+    """
+    waiting: list[tuple[str, Path]] = []
+    path = ""
+    try:
+        for path, content in contents.items():
+            target = Path(os.path.realpath(path))
+            if _is_special(target):
+                target.write_bytes(content)
+                continue
+            handle, temporary = tempfile.mkstemp(prefix=f".{target.name[:40]}.", suffix=".part", dir=target.parent)
+            waiting.append((temporary, target))
+            with os.fdopen(handle, "wb") as stream:
+                stream.write(content)
+                stream.flush()
+                os.fsync(stream.fileno())
+            os.chmod(temporary, _mode(target))
+        while waiting:
+            temporary, target = waiting[0]
+            path = str(target)
+            os.replace(temporary, target)
+            waiting.pop(0)
+    except BrokenPipeError:
+        raise
+    except OSError as error:
+        raise OptionError(f"{path}: cannot be written, {error.strerror or error}") from error
+    finally:
+        for temporary, _ in waiting:
+            Path(temporary).unlink(missing_ok=True)
+
+
+def _is_special(target: Path) -> bool:
+    return target.exists() and not stat.S_ISREG(target.stat().st_mode)
+
+
+def _mode(target: Path) -> int:
+    """The mode of the file that is replaced, or what a new file would get."""
+    if target.exists():
+        return stat.S_IMODE(target.stat().st_mode)
+    mask = os.umask(0)
+    os.umask(mask)
+    return 0o666 & ~mask

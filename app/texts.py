@@ -1,0 +1,189 @@
+"""What the commands print for people: plain text, a table where there are rows."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+from kernel.errors import OverrideError
+
+if TYPE_CHECKING:
+    from app.pipeline import Classified
+    from app.schemas import MeshAnswer, SolidAnswer
+    from kernel.csg.tree import CsgModel, CsgNode
+    from kernel.plan import Decision
+
+MEASURES = {
+    "block": ("size",),
+    "wedge": ("size",),
+    "cylinder": ("radius", "height"),
+    "cone": ("bottom_radius", "top_radius", "height"),
+    "sphere": ("radius",),
+    "torus": ("major_radius", "minor_radius"),
+    "extrusion": ("height",),
+    "revolution": ("angle",),
+}
+"""Fields of a primitive that the tree shows."""
+
+REVIEW_MARGIN = 0.05
+"""A decision nearer than this to a threshold is marked for review."""
+
+
+def as_json(value: Any) -> str:
+    """Indented JSON."""
+    return json.dumps(value, indent=1, ensure_ascii=False)
+
+
+def table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+    """Left-justified columns, two blanks apart."""
+    widths = [max(len(row[k]) for row in [head, *rows]) for k in range(len(head))]
+    lines = ["  ".join(cell.ljust(width) for cell, width in zip(row, widths)).rstrip() for row in [head, *rows]]
+    return "\n".join(lines)
+
+
+def tree_text(csg: CsgModel) -> str:
+    """One node a line, indented by depth: path, name, kind, its sizes."""
+    from kernel.csg.tree import walk
+
+    lines = []
+    for path, node in walk(csg.root):
+        depth = 0 if path == "/" else path.count(".") + 1
+        name = f" {node.name}" if node.name else ""
+        lines.append(f"{'  ' * depth}{path}{name} {node.kind}{_measures(node)}")
+    return "\n".join(lines)
+
+
+def classification_text(classified: Classified) -> str:
+    """One segment a line, then the joints."""
+    from kernel.segment.segments import BeamShape
+
+    unit = classified.units.length
+    rows = []
+    for segment in classified.partition.segments:
+        measure = (
+            f"length {number(segment.length)}"
+            if isinstance(segment.shape, BeamShape)
+            else f"thickness {number(segment.thickness)}"
+            if segment.thickness is not None
+            else ""
+        )
+        if segment.radius is not None:
+            measure += f", radius {number(segment.radius)}"
+        if segment.holes:
+            measure += f", {segment.holes} hole{'s' if segment.holes > 1 else ''}"
+        node = f"{segment.node} {segment.name}" if segment.name else segment.node
+        because = segment.decision.by_rule.because
+        if segment.origin == "override":
+            because = f"override (the rules say {segment.decision.by_rule.type}: {because})"
+        rows.append((segment.id, node, segment.type, number(segment.volume), measure, because))
+    volume = classified.evaluated.solid.true_volume
+    lines = [
+        f"{classified.csg.source}: {plural(len(rows), 'segment')}, volume {number(volume)} {unit}^3",
+        table(("segment", "node", "type", "volume", "measures", "because"), rows),
+    ]
+    if classified.joints:
+        joints = [(j.id, j.kind, " ".join(j.segments), number(j.area)) for j in classified.joints]
+        lines += ["", table(("joint", "kind", "segments", "area"), joints)]
+    return "\n".join(lines)
+
+
+def explanation(classified: Classified, node: str | None) -> dict[str, Any]:
+    """Every decision (of `node` and its pieces, by path or name) with its facts; OverrideError for an unknown node."""
+    from kernel.csg.tree import find
+
+    decisions: Sequence[Decision] = classified.partition.plan.decisions
+    if node is not None:
+        path, _ = find(classified.csg.root, node.partition("#")[0])
+        decisions = [d for d in decisions if d.node == node or d.node.partition("#")[0] == path]
+        if not decisions:
+            asked = ", ".join(dict.fromkeys(d.node.partition("#")[0] for d in classified.partition.plan.decisions))
+            raise OverrideError(f"node {path} was not decided about, a node above it was: expected one of {asked}")
+    return {"model": classified.csg.source, "decisions": [_explained(decision) for decision in decisions]}
+
+
+def explanation_text(explained: dict[str, Any]) -> str:
+    """The same for people."""
+    lines = []
+    for decision in explained["decisions"]:
+        lines.append(f"{decision['node']}: {decision['type']} ({decision['origin']})")
+        lines.append(f"  rule {decision['rule']}, certainty {decision['certainty']:g}: {decision['because']}")
+        if decision["origin"] == "override":
+            lines.append(f"  the rules say {decision['by_rule']}")
+        if decision["review"]:
+            lines.append(f"  near a threshold ({decision['margin']:.1%} of it away): review this one")
+        lines += [f"  not {r['type']} ({r['rule']}): {r['because']}" for r in decision["rejected"]]
+        lines += [f"  conflict: {conflict}" for conflict in decision["conflicts"]]
+        facts = ", ".join(f"{name} {number(value)}" for name, value in decision["facts"].items())
+        lines.append(f"  facts: {facts}")
+    return "\n".join(lines)
+
+
+def mesh_text(answer: MeshAnswer, deck: str) -> str:
+    """What was meshed, and the checks."""
+    elements = ", ".join(f"{count} {kind}" for kind, count in answer.elements.items())
+    couplings = ", ".join(f"{count} {kind}" for kind, count in answer.couplings.items()) or "none"
+    lines = [
+        f"{deck}: {plural(answer.nodes, 'node')}, {elements}, in {plural(len(answer.segments), 'segment')}",
+        f"couplings: {couplings}; components: {answer.components}",
+        f"mass: solid {number(answer.mass.solid)}, model {number(answer.mass.model)}, error {answer.mass.error:.3%}",
+    ]
+    for kind, measures in answer.quality.items():
+        for measure, value in measures.items():
+            if isinstance(value, dict):
+                lines.append(f"{kind} {measure}: " + ", ".join(f"{k} {number(v)}" for k, v in value.items()))
+    lines += [f"warning: {warning}" for warning in answer.warnings]
+    lines.append(f"seconds: {sum(answer.seconds.values()):.2f}")
+    return "\n".join(lines)
+
+
+def solid_text(answer: SolidAnswer, path: str) -> str:
+    """Volume, surface and extents of the solid written."""
+    low, high = answer.bounds
+    sides = " x ".join(number(b - a) for a, b in zip(low, high))
+    return (
+        f"{path}: {plural(answer.triangles, 'triangle')}\n"
+        f"volume {number(answer.volume)} {answer.units}^3, area {number(answer.area)} {answer.units}^2, extents {sides}"
+    )
+
+
+def number(value: Any) -> str:
+    """Six significant digits; anything but a float as it is."""
+    return f"{value:.6g}" if isinstance(value, float) else str(value)
+
+
+def plural(count: int, noun: str) -> str:
+    """`1 node`, `2 nodes`."""
+    return f"{count} {noun}" if count == 1 else f"{count} {noun}s"
+
+
+def _explained(decision: Decision) -> dict[str, Any]:
+    by_rule = decision.by_rule
+    return {
+        "node": decision.node,
+        "type": decision.type,
+        "origin": decision.origin,
+        "rule": by_rule.rule,
+        "certainty": by_rule.certainty,
+        "because": by_rule.because,
+        "by_rule": by_rule.type,
+        "margin": by_rule.margin,
+        "review": by_rule.margin is not None and by_rule.margin < REVIEW_MARGIN,
+        "rejected": [{"type": r.type, "rule": r.rule, "because": r.because} for r in by_rule.rejected],
+        "conflicts": list(by_rule.conflicts),
+        "facts": {name: _plain(value) for name, value in decision.facts.items()},
+    }
+
+
+def _measures(node: CsgNode) -> str:
+    names = MEASURES.get(node.kind, ())
+    shown = []
+    for name in names:
+        value = getattr(node, name)
+        text = " x ".join(number(float(v)) for v in value) if isinstance(value, tuple) else number(float(value))
+        shown.append(f"{name} {text}")
+    return f" ({', '.join(shown)})" if shown else ""
+
+
+def _plain(value: Any) -> Any:
+    return value.item() if hasattr(value, "item") else value
