@@ -1,0 +1,19 @@
+"""The planar mesher's door: a seeded region in, a checked mesh on exactly those seeds out."""
+
+from __future__ import annotations
+
+from kernel.errors import MeshError
+from kernel.mesh.region import Region, RegionMesh
+
+
+def mesh_region(region: Region, size: float, faces: str = "quad") -> RegionMesh:
+    """Mesh a planar or periodic region with elements of about `size`.
+
+    faces: "quad" or "tri". The first n_point nodes of the result are the region's points; every edge of the region is
+    an edge of the mesh. MeshError, with the place, where the region cannot be meshed.
+    """
+    from kernel.mesh.triangles import triangle_mesh
+
+    if faces == "tri":
+        return triangle_mesh(region, size)
+    raise MeshError("quads not yet")
