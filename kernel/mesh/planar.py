@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from kernel.errors import MeshError
 from kernel.mesh.region import Region, RegionMesh
 
 
@@ -12,8 +11,10 @@ def mesh_region(region: Region, size: float, faces: str = "quad") -> RegionMesh:
     faces: "quad" or "tri". The first n_point nodes of the result are the region's points; every edge of the region is
     an edge of the mesh. MeshError, with the place, where the region cannot be meshed.
     """
-    from kernel.mesh.triangles import triangle_mesh
-
     if faces == "tri":
+        from kernel.mesh.triangles import triangle_mesh
+
         return triangle_mesh(region, size)
-    raise MeshError("quads not yet")
+    from kernel.mesh.quads import quad_mesh
+
+    return quad_mesh(region, size)

@@ -1,13 +1,13 @@
 """Triangles as half-edges in flat arrays.
 
-    Half-edges of triangle t are 3t, 3t+1, 3t+2, counter-clockwise; half-edge e runs from corner[e] to
-    corner[following(e)] and has its triangle e // 3 on its left.
+Half-edges of triangle t are 3t, 3t+1, 3t+2, counter-clockwise; half-edge e runs from corner[e] to
+corner[following(e)] and has its triangle e // 3 on its left.
 
-    corner  (3 n_triangle,) int32   node that the half-edge leaves
-    twin    (3 n_triangle,) int32   the half-edge the other way in the neighbour, -1 on the hull
-    lock    (3 n_triangle,) uint8   0 free, else a constraint: BOUNDARY, IMPRINT or CORNER (both twins carry it)
-    leaving (n_node,) int32         a half-edge that leaves the node, -1 for none. After carving, a node on the hull
-                                    has the hull's own half-edge here, so that turning counter-clockwise sees all.
+corner  (3 n_triangle,) int32   node that the half-edge leaves
+twin    (3 n_triangle,) int32   the half-edge the other way in the neighbour, -1 on the hull
+lock    (3 n_triangle,) uint8   0 free, else a constraint: BOUNDARY, IMPRINT or CORNER (both twins carry it)
+leaving (n_node,) int32         a half-edge that leaves the node, -1 for none. After carving, a node on the hull
+                                has the hull's own half-edge here, so that turning counter-clockwise sees all.
 """
 
 from __future__ import annotations

@@ -1,0 +1,108 @@
+"""The region's edges in pairs, for a coarse mesh of twice the size whose elements are then split in four.
+
+    o---x---o---x---o      o coarse node, x the middle of a coarse edge. Chains run between vertices: points where
+                           other than two edges meet, or where boundary turns into imprint. A ring without a vertex
+                           starts so that its middles lie where it turns least.
+A chain of an odd number of edges cannot be paired: no all-quad mesh has it on its boundary by this way.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from kernel.numeric.compiled import compiled
+
+
+@compiled
+def _turn(points, a, b, c):
+    """Angle by which a-b-c turns at b, radians, not negative."""
+    ux = points[b, 0] - points[a, 0]
+    uy = points[b, 1] - points[a, 1]
+    vx = points[c, 0] - points[b, 0]
+    vy = points[c, 1] - points[b, 1]
+    return abs(math.atan2(ux * vy - uy * vx, ux * vx + uy * vy))
+
+
+@compiled
+def pair_edges(points, start, end, kind):
+    """Coarse start, end, middle, first and second fine edge: (n_coarse, 5) int32, and an edge of an odd chain, or -1.
+
+    Coarse edges run as their fine edges do (boundaries with the region on their left).
+    """
+    n_point = len(points)
+    n_edge = len(start)
+    offset = np.zeros(n_point + 1, np.int32)
+    for i in range(n_edge):
+        offset[start[i] + 1] += 1
+        offset[end[i] + 1] += 1
+    for v in range(n_point):
+        offset[v + 1] += offset[v]
+    fill = offset.copy()
+    around = np.empty(2 * n_edge, np.int32)
+    for i in range(n_edge):
+        for v in (start[i], end[i]):
+            around[fill[v]] = i
+            fill[v] += 1
+    is_vertex = np.zeros(n_point, np.uint8)
+    for v in range(n_point):
+        n = offset[v + 1] - offset[v]
+        if n != 2 or kind[around[offset[v]]] != kind[around[offset[v] + 1]]:
+            is_vertex[v] = 1
+    is_done = np.zeros(n_edge, np.uint8)
+    chain = np.empty(n_edge, np.int32)
+    nodes = np.empty(n_edge + 1, np.int32)
+    coarse = np.empty((n_edge // 2 + 1, 5), np.int32)
+    n_coarse = 0
+    odd = -1
+    for sweep in range(2):  # chains from vertices first, then the rings that are left
+        for first in range(n_edge):
+            for which in range(2):
+                if is_done[first] != 0:
+                    break
+                origin = start[first] if which == 0 else end[first]
+                if sweep == 0 and is_vertex[origin] == 0:
+                    continue
+                n = 0
+                v = origin
+                e = np.int64(first)
+                while True:
+                    is_done[e] = 1
+                    chain[n] = e
+                    nodes[n] = v
+                    n += 1
+                    v = end[e] if start[e] == v else start[e]
+                    if v == origin or is_vertex[v] != 0:
+                        break
+                    e = np.int64(around[offset[v]] if around[offset[v]] != e else around[offset[v] + 1])
+                nodes[n] = v
+                if n % 2 == 1:
+                    odd = first
+                    continue
+                shift = 0
+                if v == origin and is_vertex[v] == 0:
+                    turns_even = 0.0
+                    turns_odd = 0.0
+                    for i in range(n):
+                        turn = _turn(points, nodes[(i - 1) % n], nodes[i], nodes[i + 1])
+                        if i % 2 == 0:
+                            turns_even += turn * turn
+                        else:
+                            turns_odd += turn * turn
+                    shift = 1 if turns_even < turns_odd * (1 - 1e-9) else 0
+                for i in range(0, n, 2):
+                    e = np.int64(chain[i + shift])
+                    f = np.int64(chain[(i + shift + 1) % n])
+                    a = nodes[i + shift]
+                    middle = nodes[i + shift + 1]
+                    if start[e] != a:
+                        e, f = f, e
+                        middle = start[f] if start[f] != a else end[f]
+                    coarse[n_coarse, 0] = start[e] if start[e] != middle else end[e]
+                    coarse[n_coarse, 1] = start[f] if start[f] != middle else end[f]
+                    coarse[n_coarse, 2] = middle
+                    coarse[n_coarse, 3] = e
+                    coarse[n_coarse, 4] = f
+                    n_coarse += 1
+    return coarse[:n_coarse].copy(), odd

@@ -1,0 +1,175 @@
+"""Smoothing of quads where they are bad, and only there.
+
+Active are the free nodes of quads under a scaled Jacobian, and a few rings about them. First they move towards the
+mean of their neighbours, blended with the corners that would complete parallelograms (which pulls towards squares);
+a move stays if the worst corner about the node is not worse than before, or good enough. Then a pattern search lifts
+what is still bad. Aspect enters both measures: with angles alone it reaches 16.
+
+    c---b      node v of quad v, a, b, c: parallelogram completion a + c - b
+    |   |
+    v---a
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from kernel.numeric.compiled import compiled
+
+
+@compiled
+def quads_about(quads, n_node):
+    """Quads by node: offset (n_node + 1,) and incidence, 4 * quad + corner, int32."""
+    offset = np.zeros(n_node + 1, np.int32)
+    for i in range(len(quads)):
+        for j in range(4):
+            offset[quads[i, j] + 1] += 1
+    for v in range(n_node):
+        offset[v + 1] += offset[v]
+    fill = offset.copy()
+    incidence = np.empty(offset[n_node], np.int32)
+    for i in range(len(quads)):
+        for j in range(4):
+            v = quads[i, j]
+            incidence[fill[v]] = 4 * i + j
+            fill[v] += 1
+    return offset, incidence
+
+
+@compiled
+def corner_sine(ax, ay, bx, by, cx, cy):
+    """Sine of the corner at b of a, b, c: its share of the scaled Jacobian."""
+    ux = cx - bx
+    uy = cy - by
+    vx = ax - bx
+    vy = ay - by
+    return (ux * vy - uy * vx) / math.sqrt((ux * ux + uy * uy) * (vx * vx + vy * vy) + 1e-300)
+
+
+@compiled
+def _corner_shape(ax, ay, bx, by, cx, cy, ratio_weight):
+    """The smaller of the corner's sine and ratio_weight times its mean ratio, 2 u x v / (u^2 + v^2)."""
+    ux = cx - bx
+    uy = cy - by
+    vx = ax - bx
+    vy = ay - by
+    area = ux * vy - uy * vx
+    u2 = ux * ux + uy * uy
+    v2 = vx * vx + vy * vy
+    return min(area / math.sqrt(u2 * v2 + 1e-300), 2 * ratio_weight * area / (u2 + v2 + 1e-300))
+
+
+@compiled
+def quad_sine(nodes, quads, i):
+    """Scaled Jacobian of quad i."""
+    worst = 2.0
+    for j in range(4):
+        a = quads[i, (j + 3) % 4]
+        b = quads[i, j]
+        c = quads[i, (j + 1) % 4]
+        worst = min(worst, corner_sine(nodes[a, 0], nodes[a, 1], nodes[b, 0], nodes[b, 1], nodes[c, 0], nodes[c, 1]))
+    return worst
+
+
+@compiled
+def worst_about(nodes, quads, offset, incidence, v, x, y, ratio_weight):
+    """Worst corner shape of the quads about node v if it stood at x, y (the corner opposite v does not change)."""
+    worst = 2.0
+    for w in range(offset[v], offset[v + 1]):
+        i = incidence[w] // 4
+        j = incidence[w] % 4
+        a = quads[i, (j + 1) % 4]
+        b = quads[i, (j + 2) % 4]
+        c = quads[i, (j + 3) % 4]
+        ax = nodes[a, 0]
+        ay = nodes[a, 1]
+        bx = nodes[b, 0]
+        by = nodes[b, 1]
+        cx = nodes[c, 0]
+        cy = nodes[c, 1]
+        worst = min(worst, _corner_shape(cx, cy, x, y, ax, ay, ratio_weight))
+        worst = min(worst, _corner_shape(x, y, ax, ay, bx, by, ratio_weight))
+        worst = min(worst, _corner_shape(bx, by, cx, cy, x, y, ratio_weight))
+    return worst
+
+
+@compiled
+def smooth_quads(nodes, quads, is_fixed, n_pass, n_search, active_under, search_under, good_enough, n_ring):
+    """Move the free nodes, in place. n_pass Laplacian and n_search pattern-search passes."""
+    n_node = len(nodes)
+    offset, incidence = quads_about(quads, n_node)
+    is_active = np.zeros(n_node, np.uint8)
+    for i in range(len(quads)):
+        if quad_sine(nodes, quads, i) < active_under:
+            for j in range(4):
+                is_active[quads[i, j]] = 1
+    for _ in range(n_ring):
+        before = is_active.copy()
+        for i in range(len(quads)):
+            if before[quads[i, 0]] + before[quads[i, 1]] + before[quads[i, 2]] + before[quads[i, 3]] > 0:
+                for j in range(4):
+                    is_active[quads[i, j]] = 1
+    active = np.empty(n_node, np.int32)
+    n_active = 0
+    for v in range(n_node):
+        if is_active[v] != 0 and is_fixed[v] == 0 and offset[v + 1] > offset[v]:
+            active[n_active] = v
+            n_active += 1
+    for _ in range(n_pass):
+        for z in range(n_active):
+            v = active[z]
+            total_x = 0.0
+            total_y = 0.0
+            for w in range(offset[v], offset[v + 1]):
+                i = incidence[w] // 4
+                j = incidence[w] % 4
+                a = quads[i, (j + 1) % 4]
+                b = quads[i, (j + 2) % 4]
+                c = quads[i, (j + 3) % 4]
+                total_x += 0.85 * (nodes[a, 0] + nodes[c, 0]) - 0.35 * nodes[b, 0]
+                total_y += 0.85 * (nodes[a, 1] + nodes[c, 1]) - 0.35 * nodes[b, 1]
+            weight = 1.35 * (offset[v + 1] - offset[v])
+            to_x = total_x / weight
+            to_y = total_y / weight
+            before_shape = worst_about(nodes, quads, offset, incidence, v, nodes[v, 0], nodes[v, 1], 1.0)
+            for _attempt in range(3):
+                shape = worst_about(nodes, quads, offset, incidence, v, to_x, to_y, 1.0)
+                if shape >= min(before_shape, good_enough):
+                    nodes[v, 0] = to_x
+                    nodes[v, 1] = to_y
+                    break
+                to_x = 0.5 * (to_x + nodes[v, 0])
+                to_y = 0.5 * (to_y + nodes[v, 1])
+    for _ in range(n_search):
+        for z in range(n_active):
+            v = active[z]
+            x = nodes[v, 0]
+            y = nodes[v, 1]
+            best = worst_about(nodes, quads, offset, incidence, v, x, y, 1.5)
+            if best >= search_under:
+                continue
+            w = offset[v]
+            a = quads[incidence[w] // 4, (incidence[w] % 4 + 1) % 4]
+            step = 0.2 * math.hypot(nodes[a, 0] - x, nodes[a, 1] - y)
+            for attempt in range(5):
+                best_x = x
+                best_y = y
+                improved = False
+                for d in range(8):
+                    direction = d * math.pi / 4 + 0.3 * attempt
+                    to_x = x + step * math.cos(direction)
+                    to_y = y + step * math.sin(direction)
+                    shape = worst_about(nodes, quads, offset, incidence, v, to_x, to_y, 1.5)
+                    if shape > best:
+                        best = shape
+                        best_x = to_x
+                        best_y = to_y
+                        improved = True
+                x = best_x
+                y = best_y
+                if not improved:
+                    step *= 0.5
+            nodes[v, 0] = x
+            nodes[v, 1] = y
