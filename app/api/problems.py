@@ -1,0 +1,140 @@
+"""Errors as RFC 9457 problem details, with the message that the command line gives; and the bound on bodies."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from fastapi import FastAPI, Request
+from fastapi.exceptions import RequestValidationError
+from starlette.exceptions import HTTPException
+from starlette.responses import JSONResponse
+from starlette.types import ASGIApp, Message, Receive, Scope, Send
+
+from app.failure import failure, problem
+from app.schemas import Problem
+from app.settings import MAX_MODEL_BYTES, MAX_REQUEST_BYTES
+from kernel.errors import CsgmeshError
+
+MEDIA_TYPE = "application/problem+json"
+MULTIPART_SLACK = 10_000
+"""Bytes that a multipart body may have around its file."""
+
+RESPONSES = {
+    400: "The request is malformed",
+    404: "There is no such thing",
+    409: "The input is fine, but this cannot be done; the segment and the reason are named",
+    413: "The body is too long",
+    422: "The input is wrong",
+    500: "A defect of csgmesh",
+}
+
+
+def problem_responses(*statuses: int) -> dict[int | str, dict[str, Any]]:
+    """For `responses=` of an operation: problem details with an example for each of `statuses`."""
+    return {status: _documented(status) for status in statuses}
+
+
+def documented(example: Any, *statuses: int, media_type: str = "application/json") -> dict[int | str, dict[str, Any]]:
+    """For `responses=` of an operation: its answer with an example, and its problems."""
+    content = {} if example is None else {"example": example}
+    return {200: {"content": {media_type: content}}, **problem_responses(*statuses)}
+
+
+def _documented(status: int) -> dict[str, Any]:
+    example = _plain(status, RESPONSES[status]).model_dump(exclude_none=True)
+    if status == 422:
+        example = problem(
+            {
+                "class": "ReadError",
+                "exit_status": 2,
+                "message": "bracket.csg:3:5: unknown primitive 'cub', expected one of cube, sphere, cylinder",
+                "place": {"file": "bracket.csg", "line": 3, "column": 5},
+            }
+        ).model_dump(exclude_none=True)
+    return {
+        "description": RESPONSES[status],
+        "content": {MEDIA_TYPE: {"schema": {"$ref": "#/components/schemas/Problem"}, "example": example}},
+    }
+
+
+def install(application: FastAPI) -> None:
+    """Make every error of `application` a problem."""
+
+    def known(_request: Request, error: Exception) -> JSONResponse:
+        return respond(problem(failure(error)))
+
+    def refused(_request: Request, error: Exception) -> JSONResponse:
+        assert isinstance(error, HTTPException)
+        return respond(_plain(error.status_code, str(error.detail)), error.headers)
+
+    def invalid(_request: Request, error: Exception) -> JSONResponse:
+        assert isinstance(error, RequestValidationError)
+        first = error.errors()[0]
+        where = ".".join(str(part) for part in first["loc"] if part not in ("body", "query", "path"))
+        message = f"{where or 'the body'}: {first['msg']}"
+        return respond(problem({"class": "OptionError", "exit_status": 2, "message": message}))
+
+    application.add_exception_handler(CsgmeshError, known)
+    application.add_exception_handler(HTTPException, refused)
+    application.add_exception_handler(RequestValidationError, invalid)
+    application.add_exception_handler(Exception, known)
+    application.add_middleware(BodyLimit)
+
+
+def respond(details: Problem, headers: Any = None) -> JSONResponse:
+    """Problem details as a response."""
+    content = details.model_dump(exclude_none=True)
+    return JSONResponse(content, details.status, headers=headers, media_type=MEDIA_TYPE)
+
+
+def _plain(status: int, detail: str) -> Problem:
+    return Problem(
+        type="about:blank", title=RESPONSES.get(status, "The request is refused"), status=status, detail=detail
+    )
+
+
+class _TooLong(Exception):
+    """The body has grown past its bound."""
+
+
+class BodyLimit:
+    """Refuses bodies that are too long, by their announced length or as they come in."""
+
+    def __init__(self, app: ASGIApp) -> None:
+        self.app = app
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """One request."""
+        if scope["type"] != "http":
+            await self.app(scope, receive, send)
+            return
+        takes_models = scope["path"].rstrip("/") == "/v1/models"
+        bound = MAX_MODEL_BYTES + MULTIPART_SLACK if takes_models else MAX_REQUEST_BYTES
+        announced = dict(scope["headers"]).get(b"content-length", b"0")
+        if announced.isdigit() and int(announced) > bound:
+            await respond(_too_long(bound))(scope, receive, send)
+            return
+        length, is_answered = 0, False
+
+        async def bounded_receive() -> Message:
+            nonlocal length
+            message = await receive()
+            length += len(message.get("body", b""))
+            if length > bound:
+                raise _TooLong
+            return message
+
+        async def watched_send(message: Message) -> None:
+            nonlocal is_answered
+            is_answered = True
+            await send(message)
+
+        try:
+            await self.app(scope, bounded_receive, watched_send)
+        except _TooLong:
+            if not is_answered:
+                await respond(_too_long(bound))(scope, receive, send)
+
+
+def _too_long(bound: int) -> Problem:
+    return _plain(413, f"the body is longer than {bound} bytes")

@@ -1,0 +1,133 @@
+"""The job runner: threads that take queued jobs from the store and have workers do them.
+
+store.add_job -> queued -> claimed by a thread -> running in that thread's worker -> done | failed | cancelled
+"""
+
+from __future__ import annotations
+
+import json
+import threading
+from typing import Any
+
+import structlog
+from sqlalchemy.exc import SQLAlchemyError
+
+from app.artifacts import Artifacts
+from app.failure import failure
+from app.store import JobRow, Outcome, Store
+from app.work import Payload
+from app.workers import Worker
+from kernel.errors import CsgmeshError, DefectError
+
+MOST_ATTEMPTS = 3
+"""A job during which the service died this often is not tried again."""
+
+INTERACTIVE_DEADLINE = 120.0
+"""Seconds that a request may keep the interactive worker busy."""
+
+IDLE_WAIT = 1.0
+"""Seconds after which an idle thread looks into the store unasked."""
+
+log = structlog.get_logger()
+
+
+class Jobs:
+    """`n_worker` workers for jobs, and one more for what a request waits for."""
+
+    def __init__(self, store: Store, artifacts: Artifacts, n_worker: int) -> None:
+        self._store = store
+        self._artifacts = artifacts
+        self._wake = threading.Condition()
+        self._is_stopping = False
+        self._workers = [Worker(artifacts.folder) for _ in range(n_worker)]
+        self._interactive = Worker(artifacts.folder)
+        self._doing: dict[str, Worker] = {}
+        self._threads = [
+            threading.Thread(target=self._take_jobs, args=(worker,), name=f"jobs-{k}", daemon=True)
+            for k, worker in enumerate(self._workers)
+        ]
+
+    def start(self) -> None:
+        """Queue again what an earlier process left unfinished, and begin."""
+        waiting = self._store.requeue_unfinished(MOST_ATTEMPTS)
+        if waiting:
+            log.info("jobs wait from an earlier run", jobs=waiting)
+        for thread in self._threads:
+            thread.start()
+
+    def stop(self) -> None:
+        """Stop every worker; jobs that were running stay `running` in the store and run again at the next start."""
+        with self._wake:
+            self._is_stopping = True
+            self._wake.notify_all()
+        for worker in [*self._workers, self._interactive]:
+            worker.stop()
+        for thread in self._threads:
+            if thread.is_alive():
+                thread.join(5.0)
+
+    def submit(self, model_id: str, key: str, request: dict[str, Any]) -> JobRow:
+        """Queue a job (done at once where its mesh is there already)."""
+        job = self._store.add_job(model_id, key, request)
+        with self._wake:
+            self._wake.notify()
+        return job
+
+    def cancel(self, job_id: str) -> bool:
+        """Cancel a job that has not ended; False where it had."""
+        if not self._store.finish_job(job_id, Outcome("cancelled")):
+            return False
+        with self._wake:  # held while stopping: the worker must not begin its next job in between
+            worker = self._doing.get(job_id)
+            if worker is not None:
+                worker.stop()
+        return True
+
+    def call(self, task: str, payload: Payload) -> Any:
+        """Do a short task in the interactive worker and wait for it; raises what it raises."""
+        return self._interactive.call(task, payload, deadline=INTERACTIVE_DEADLINE)
+
+    def _take_jobs(self, worker: Worker) -> None:
+        while not self._is_stopping:
+            try:
+                job = self._store.claim_job()
+                if job is not None:
+                    self._do(worker, job)
+                    continue
+            except SQLAlchemyError as error:
+                log.error("the database did not answer", error=str(error))
+            with self._wake:
+                if not self._is_stopping:
+                    self._wake.wait(IDLE_WAIT)
+
+    def _do(self, worker: Worker, job: JobRow) -> None:
+        logger = log.bind(job=job.id, model=job.model)
+        logger.info("job started", attempt=job.attempts)
+        with self._wake:
+            self._doing[job.id] = worker
+        try:
+            result = worker.call(
+                "mesh",
+                json.loads(job.request),
+                progress=lambda stage, share: self._store.report_progress(job.id, stage, share),
+                may_start=lambda: self._is_running(job.id),
+            )
+            mesh = self._store.add_mesh(
+                model_id=job.model, key=job.key, answer=result["answer"], content=result["content"]
+            )
+            outcome = Outcome("done", mesh=mesh.id)
+        except CsgmeshError as error:
+            outcome = Outcome("failed", problem=json.dumps(failure(error)))
+        except Exception as error:  # noqa: BLE001  a thread of the server must outlive whatever one job does
+            outcome = Outcome("failed", problem=json.dumps(failure(DefectError(f"{type(error).__name__}: {error}"))))
+        finally:
+            with self._wake:
+                del self._doing[job.id]
+        if self._is_stopping and outcome.state == "failed":
+            return
+        if self._store.finish_job(job.id, outcome):
+            logger.info("job ended", state=outcome.state)
+
+    def _is_running(self, job_id: str) -> bool:
+        job = self._store.job(job_id)
+        return job is not None and job.state == "running" and not self._is_stopping

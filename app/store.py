@@ -1,0 +1,338 @@
+"""The service's state, in SQL: models, overrides with their history, jobs, meshes, rule bases.
+
+The job table is the truth: what it calls queued or running when the service starts has to be run (again).
+Times are UTC, ISO 8601. Values leave this module as the frozen rows below, never as live database objects.
+"""
+
+from __future__ import annotations
+
+import datetime
+import json
+import secrets
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import Any
+
+from sqlalchemy import Engine, ForeignKey, create_engine, delete, event, select, update
+from sqlalchemy.orm import DeclarativeBase, Mapped, MappedAsDataclass, Session, mapped_column
+from sqlalchemy.pool import NullPool
+
+FINISHED = ("done", "failed", "cancelled")
+
+
+class Table(MappedAsDataclass, DeclarativeBase):
+    """Base of the tables."""
+
+
+class ModelRow(Table):
+    """A CSG model; `text` is the artifact with what was sent, `ending` how a file of it ends."""
+
+    __tablename__ = "models"
+    id: Mapped[str] = mapped_column(primary_key=True)
+    name: Mapped[str]
+    ending: Mapped[str]
+    text: Mapped[str]
+    language: Mapped[str]
+    units: Mapped[str]
+    created: Mapped[str]
+
+
+class OverrideRow(Table):
+    """An override that stands; `node` is a canonical path."""
+
+    __tablename__ = "overrides"
+    model: Mapped[str] = mapped_column(ForeignKey("models.id", ondelete="CASCADE"), primary_key=True)
+    node: Mapped[str] = mapped_column(primary_key=True)
+    type: Mapped[str]
+    author: Mapped[str]
+    reason: Mapped[str]
+    created: Mapped[str]
+
+
+class OverrideEventRow(Table):
+    """An override that was set or taken back, kept for good; `type` is None where it was taken back."""
+
+    __tablename__ = "override_events"
+    id: Mapped[int] = mapped_column(primary_key=True, init=False)
+    model: Mapped[str] = mapped_column(ForeignKey("models.id", ondelete="CASCADE"), index=True)
+    node: Mapped[str]
+    type: Mapped[str | None]
+    author: Mapped[str]
+    reason: Mapped[str]
+    created: Mapped[str]
+
+
+class JobRow(Table):
+    """A mesh to be made: queued, running, done, failed or cancelled. `request` is JSON, complete in itself."""
+
+    __tablename__ = "jobs"
+    id: Mapped[str] = mapped_column(primary_key=True)
+    model: Mapped[str] = mapped_column(ForeignKey("models.id", ondelete="CASCADE"), index=True)
+    key: Mapped[str]
+    request: Mapped[str]
+    state: Mapped[str] = mapped_column(index=True)
+    created: Mapped[str]
+    sequence: Mapped[int]
+    stage: Mapped[str] = mapped_column(default="")
+    progress: Mapped[float] = mapped_column(default=0.0)
+    attempts: Mapped[int] = mapped_column(default=0)
+    started: Mapped[str | None] = mapped_column(default=None)
+    finished: Mapped[str | None] = mapped_column(default=None)
+    problem: Mapped[str | None] = mapped_column(default=None)
+    mesh: Mapped[str | None] = mapped_column(default=None)
+
+
+class MeshRow(Table):
+    """A finished mesh: its answer (JSON) and its connected model (pickle of ours), both artifacts."""
+
+    __tablename__ = "meshes"
+    id: Mapped[str] = mapped_column(primary_key=True)
+    model: Mapped[str] = mapped_column(ForeignKey("models.id", ondelete="CASCADE"), index=True)
+    key: Mapped[str] = mapped_column(index=True)
+    answer: Mapped[str]
+    content: Mapped[str]
+    created: Mapped[str]
+
+
+class RuleBaseRow(Table):
+    """One version of a rule base that users sent; the own one is never here."""
+
+    __tablename__ = "rule_bases"
+    name: Mapped[str] = mapped_column(primary_key=True)
+    version: Mapped[str] = mapped_column(primary_key=True)
+    text: Mapped[str]
+    author: Mapped[str]
+    created: Mapped[str]
+    is_active: Mapped[bool] = mapped_column(default=False)
+
+
+@dataclass(frozen=True, slots=True)
+class Outcome:
+    """How a job ended: `mesh` where it is done, `problem` (JSON) where it failed."""
+
+    state: str
+    mesh: str | None = None
+    problem: str | None = None
+
+
+class Store:
+    """All reading and writing of the state; safe to use from several threads."""
+
+    def __init__(self, database: str) -> None:
+        self._engine = _engine(database)
+        Table.metadata.create_all(self._engine)
+
+    def close(self) -> None:
+        """Let go of the database."""
+        self._engine.dispose()
+
+    def is_ready(self) -> bool:
+        """The database answers."""
+        with self._session() as session:
+            return session.scalar(select(1)) == 1
+
+    # models
+
+    def add_model(self, *, name: str, ending: str, text: str, language: str, units: str) -> ModelRow:
+        """Keep a model; `text` is its artifact."""
+        row = ModelRow(new_id(), name, ending, text, language, units, now())
+        with self._session() as session:
+            session.add(row)
+        return row
+
+    def model(self, model_id: str) -> ModelRow | None:
+        """One model."""
+        with self._session() as session:
+            return session.get(ModelRow, model_id)
+
+    def models(self) -> Sequence[ModelRow]:
+        """All models, oldest first."""
+        with self._session() as session:
+            return session.scalars(select(ModelRow).order_by(ModelRow.created, ModelRow.id)).all()
+
+    def delete_model(self, model_id: str) -> bool:
+        """Forget a model, its overrides, jobs and meshes; False where there is none."""
+        with self._session() as session:
+            return _changed(session.execute(delete(ModelRow).where(ModelRow.id == model_id)))
+
+    # overrides
+
+    def overrides(self, model_id: str) -> Sequence[OverrideRow]:
+        """The overrides that stand, by path."""
+        with self._session() as session:
+            query = select(OverrideRow).where(OverrideRow.model == model_id).order_by(OverrideRow.node)
+            return session.scalars(query).all()
+
+    def set_override(self, model_id: str, node: str, kind: str, author: str, reason: str) -> OverrideRow:
+        """Pin `node`; the history keeps what stood before."""
+        row = OverrideRow(model_id, node, kind, author, reason, now())
+        with self._session() as session:
+            session.merge(row)
+            session.add(OverrideEventRow(model_id, node, kind, author, reason, row.created))
+        return row
+
+    def remove_override(self, model_id: str, node: str, author: str, reason: str) -> bool:
+        """Take the override of `node` back; False where there is none."""
+        query = delete(OverrideRow).where(OverrideRow.model == model_id, OverrideRow.node == node)
+        with self._session() as session:
+            removed = _changed(session.execute(query))
+            if removed:
+                session.add(OverrideEventRow(model_id, node, None, author, reason, now()))
+            return removed
+
+    def override_history(self, model_id: str) -> Sequence[OverrideEventRow]:
+        """Everything that was set and taken back, oldest first."""
+        with self._session() as session:
+            query = select(OverrideEventRow).where(OverrideEventRow.model == model_id).order_by(OverrideEventRow.id)
+            return session.scalars(query).all()
+
+    # jobs
+
+    def add_job(self, model_id: str, key: str, request: dict[str, Any]) -> JobRow:
+        """Queue a job; where a mesh of this key is there already, the job is done at once."""
+        with self._session() as session:
+            found = session.scalar(select(MeshRow).where(MeshRow.key == key, MeshRow.model == model_id))
+            last = session.scalar(select(JobRow.sequence).order_by(JobRow.sequence.desc()).limit(1)) or 0
+            job = JobRow(new_id(), model_id, key, json.dumps(request), "queued", now(), last + 1)
+            if found is not None:
+                job.state, job.mesh, job.progress, job.finished = "done", found.id, 1.0, now()
+            session.add(job)
+        return job
+
+    def job(self, job_id: str) -> JobRow | None:
+        """One job."""
+        with self._session() as session:
+            return session.get(JobRow, job_id)
+
+    def unfinished_jobs(self, model_id: str) -> Sequence[str]:
+        """Ids of the jobs of a model that have not ended."""
+        query = select(JobRow.id).where(JobRow.model == model_id, JobRow.state.not_in(FINISHED))
+        with self._session() as session:
+            return session.scalars(query.order_by(JobRow.sequence)).all()
+
+    def claim_job(self) -> JobRow | None:
+        """The oldest queued job, now running; None where none is queued. No two callers get the same one."""
+        with self._session() as session:
+            query = select(JobRow).where(JobRow.state == "queued").order_by(JobRow.sequence).limit(1)
+            job = session.scalar(query)
+            if job is None:
+                return None
+            taken = update(JobRow).where(JobRow.id == job.id, JobRow.state == "queued")
+            if not _changed(session.execute(taken.values(state="running", started=now(), attempts=job.attempts + 1))):
+                return None
+            session.refresh(job)
+            return job
+
+    def report_progress(self, job_id: str, stage: str, progress: float) -> None:
+        """What a running job is at."""
+        running = update(JobRow).where(JobRow.id == job_id, JobRow.state == "running")
+        with self._session() as session:
+            session.execute(running.values(stage=stage, progress=progress))
+
+    def finish_job(self, job_id: str, outcome: Outcome) -> bool:
+        """End a job that has not ended; False where it had (it was cancelled, say)."""
+        values: dict[str, Any] = {"state": outcome.state, "mesh": outcome.mesh, "problem": outcome.problem}
+        values["finished"] = now()
+        if outcome.state == "done":
+            values["progress"] = 1.0
+        unfinished = update(JobRow).where(JobRow.id == job_id, JobRow.state.not_in(FINISHED))
+        with self._session() as session:
+            return _changed(session.execute(unfinished.values(**values)))
+
+    def requeue_unfinished(self, most_attempts: int) -> int:
+        """At start: queue what was running when the process died; fail what has died `most_attempts` times.
+
+        Gives the number of jobs that wait.
+        """
+        problem = json.dumps({"class": "DefectError", "message": f"the process died {most_attempts} times at this job"})
+        running = update(JobRow).where(JobRow.state == "running")
+        with self._session() as session:
+            tired = running.where(JobRow.attempts >= most_attempts)
+            session.execute(tired.values(state="failed", problem=problem, finished=now()))
+            session.execute(running.values(state="queued", stage="", progress=0.0, started=None))
+            return len(session.scalars(select(JobRow.id).where(JobRow.state == "queued")).all())
+
+    # meshes
+
+    def add_mesh(self, *, model_id: str, key: str, answer: str, content: str) -> MeshRow:
+        """Keep a finished mesh; `answer` and `content` are artifacts."""
+        row = MeshRow(new_id(), model_id, key, answer, content, now())
+        with self._session() as session:
+            session.add(row)
+        return row
+
+    def mesh(self, mesh_id: str) -> MeshRow | None:
+        """One mesh."""
+        with self._session() as session:
+            return session.get(MeshRow, mesh_id)
+
+    # rule bases
+
+    def add_rule_base(self, name: str, version: str, text: str, author: str) -> RuleBaseRow:
+        """Keep a version; the same content twice is the same version."""
+        with self._session() as session:
+            row = session.get(RuleBaseRow, (name, version))
+            if row is None:
+                row = RuleBaseRow(name, version, text, author, now())
+                session.add(row)
+            return row
+
+    def rule_bases(self) -> Sequence[RuleBaseRow]:
+        """Every version of every rule base."""
+        with self._session() as session:
+            return session.scalars(select(RuleBaseRow).order_by(RuleBaseRow.name, RuleBaseRow.created)).all()
+
+    def rule_base(self, name: str, version: str | None = None) -> RuleBaseRow | None:
+        """One version of a rule base, the newest where none is said."""
+        query = select(RuleBaseRow).where(RuleBaseRow.name == name)
+        if version is not None:
+            query = query.where(RuleBaseRow.version == version)
+        with self._session() as session:
+            return session.scalar(query.order_by(RuleBaseRow.created.desc()).limit(1))
+
+    def active_rule_base(self) -> RuleBaseRow | None:
+        """The version that decides where a request names none; None for the own rule base."""
+        with self._session() as session:
+            return session.scalar(select(RuleBaseRow).where(RuleBaseRow.is_active))
+
+    def activate_rule_base(self, name: str | None, version: str | None) -> None:
+        """Make one version the active one; None for the own rule base."""
+        chosen = update(RuleBaseRow).where(RuleBaseRow.name == name, RuleBaseRow.version == version)
+        with self._session() as session:
+            session.execute(update(RuleBaseRow).values(is_active=False))
+            session.execute(chosen.values(is_active=True))
+
+    @contextmanager
+    def _session(self) -> Iterator[Session]:
+        with Session(self._engine, expire_on_commit=False) as session, session.begin():
+            yield session
+
+
+def new_id() -> str:
+    """A name that cannot be guessed: 96 random bits."""
+    return secrets.token_hex(12)
+
+
+def now() -> str:
+    """UTC, ISO 8601, microseconds."""
+    return datetime.datetime.now(datetime.UTC).isoformat(timespec="microseconds")
+
+
+def _changed(result: Any) -> bool:
+    return bool(result.rowcount)
+
+
+def _engine(database: str) -> Engine:
+    if not database.startswith("sqlite"):
+        return create_engine(database, pool_pre_ping=True)
+    # A connection a session: SQLite opens in microseconds, and no connection is shared between threads.
+    engine = create_engine(database, poolclass=NullPool, connect_args={"timeout": 30})
+
+    @event.listens_for(engine, "connect")
+    def _configure(connection: Any, _record: Any) -> None:
+        connection.execute("PRAGMA journal_mode=WAL")
+        connection.execute("PRAGMA synchronous=NORMAL")
+        connection.execute("PRAGMA foreign_keys=ON")
+
+    return engine

@@ -1,0 +1,199 @@
+"""What a worker process does for the service: tasks over plain data, results as JSON or artifacts.
+
+A task is a function (payload, artifacts, progress) -> result, named in TASKS. It raises what the pipeline raises.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import pickle
+import signal
+import tempfile
+import time
+from collections.abc import Callable
+from multiprocessing.connection import Connection
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NoReturn
+
+from app.artifacts import Artifacts
+from kernel.errors import DefectError
+
+if TYPE_CHECKING:
+    from app.pipeline import Classified
+    from kernel.csg.tree import CsgModel
+
+Progress = Callable[[str, float], None]
+Payload = dict[str, Any]
+
+PROGRESS_EVERY = 0.2
+"""Seconds between two reports of one stage's progress: each is a write to the database."""
+
+STAGES = {
+    "read": (0.0, 0.02),
+    "rules": (0.02, 0.05),
+    "evaluate": (0.05, 0.10),
+    "segment": (0.10, 0.25),
+    "joints": (0.25, 0.35),
+    "mesh": (0.35, 0.80),
+    "quality": (0.80, 0.84),
+    "connect": (0.84, 0.92),
+    "check": (0.92, 0.99),
+}
+"""From where to where a stage moves the progress of the whole; parts that are not named here are the mesher's own."""
+
+
+def read_task(payload: Payload, _artifacts: Artifacts, _progress: Progress) -> dict[str, Any]:
+    """Read the text; gives its language and units."""
+    csg = _csg(payload)
+    return {"language": csg.language, "units": payload.get("units") or csg.units or "mm"}
+
+
+def tree_task(payload: Payload, _artifacts: Artifacts, _progress: Progress) -> dict[str, Any]:
+    """The tree as JSON."""
+    from kernel.csg.treejson import tree_to_json
+
+    return tree_to_json(_csg(payload))
+
+
+def find_task(payload: Payload, _artifacts: Artifacts, _progress: Progress) -> str:
+    """The canonical path of the node that `payload["node"]` addresses."""
+    from kernel.csg.tree import find
+
+    return find(_csg(payload).root, payload["node"])[0]
+
+
+def solid_task(payload: Payload, artifacts: Artifacts, _progress: Progress) -> str:
+    """The solid as GLB; gives its artifact."""
+    from app.solidfile import solid_file
+    from kernel.solid.evaluate import evaluate
+
+    return artifacts.put(solid_file(evaluate(_csg(payload)), "glb"))
+
+
+def classify_task(payload: Payload, artifacts: Artifacts, progress: Progress) -> dict[str, Any]:
+    """What `classify --json` gives, and the explanation of every decision; both as artifacts."""
+    from app import texts
+    from app.answers import classification
+
+    classified = _classified(payload, progress)
+    explained = texts.as_json(texts.explanation(classified, None))
+    return {
+        "answer": artifacts.put(classification(classified).model_dump_json().encode()),
+        "explanation": artifacts.put(explained.encode()),
+    }
+
+
+def mesh_task(payload: Payload, artifacts: Artifacts, progress: Progress) -> dict[str, Any]:
+    """Mesh; gives the artifacts of the answer and of the content (model and what its pictures need)."""
+    from app import pipeline
+    from app.answers import meshed_answer
+    from kernel.mesh.options import MeshOptions
+
+    classified = _classified(payload, progress)
+    options = MeshOptions(**payload["options"])
+    meshed = pipeline.mesh(
+        classified, options, material=payload["material"], coupling=payload["coupling"], progress=progress
+    )
+    answer = meshed_answer(meshed).model_dump_json().encode()
+    return {
+        "answer": artifacts.put(answer),
+        "content": artifacts.put(pickle.dumps({"model": meshed.model}, protocol=5)),
+    }
+
+
+def deck_task(payload: Payload, artifacts: Artifacts, _progress: Progress) -> str:
+    """A kept model as a deck; gives its artifact."""
+    from kernel.deck.deck import format_for
+
+    model = pickle.loads(artifacts.get(payload["content"]))["model"]
+    return artifacts.put(format_for("", payload["format"]).write(model))
+
+
+def mesh_glb_task(payload: Payload, artifacts: Artifacts, _progress: Progress) -> str:
+    """A kept mesh as GLB, a node of the scene for each segment; gives its artifact."""
+    from app.report.scenes import mesh_glb
+
+    model = pickle.loads(artifacts.get(payload["content"]))["model"]
+    return artifacts.put(mesh_glb(model))
+
+
+TASKS: dict[str, Callable[[Payload, Artifacts, Progress], Any]] = {
+    "read": read_task,
+    "tree": tree_task,
+    "find": find_task,
+    "solid": solid_task,
+    "classify": classify_task,
+    "mesh": mesh_task,
+    "deck": deck_task,
+    "mesh_glb": mesh_glb_task,
+}
+
+
+def serve_tasks(connection: Connection, artifacts_folder: str) -> None:
+    """Body of a worker process: (task, payload) in; ("progress", stage, share)..., then ("done", result) or
+    ("failed", error) out. Ends where the service goes away.
+    """
+    os.setsid()  # a group of its own, so that the children of a task can be stopped with it
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    signal.signal(signal.SIGTERM, _stop)
+    artifacts = Artifacts(Path(artifacts_folder))
+    with contextlib.suppress(EOFError, BrokenPipeError, ConnectionResetError):
+        while True:
+            task, payload = connection.recv()
+            connection.send(_run(task, payload, artifacts, _reporter(connection)))
+
+
+def _run(task: str, payload: Payload, artifacts: Artifacts, progress: Progress) -> tuple[str, Any]:
+    try:
+        return "done", TASKS[task](payload, artifacts, progress)
+    except BrokenPipeError:
+        raise
+    except Exception as error:  # noqa: BLE001  the edge of the process: whatever it is, the service hears of it
+        from app.logs import record_defect
+        from kernel.errors import CsgmeshError
+
+        if isinstance(error, CsgmeshError):
+            return "failed", error
+        record_defect(error)
+        return "failed", DefectError(f"{type(error).__name__}: {error}")
+
+
+def _reporter(connection: Connection) -> Progress:
+    last_stage, last_time = "", 0.0
+
+    def report(stage: str, share: float) -> None:
+        nonlocal last_stage, last_time
+        moment = time.monotonic()
+        if stage == last_stage and moment - last_time < PROGRESS_EVERY:
+            return
+        last_stage, last_time = stage, moment
+        start, end = STAGES.get(stage, STAGES["mesh"])
+        connection.send(("progress", stage, start + (end - start) * min(max(share, 0.0), 1.0)))
+
+    return report
+
+
+def _csg(payload: Payload) -> CsgModel:
+    from kernel.csg.reader import read_model
+
+    return read_model(payload["text"], payload["name"])
+
+
+def _classified(payload: Payload, progress: Progress) -> Classified:
+    from app import pipeline
+    from kernel.plan import Override
+
+    overrides = {o["node"]: Override(o["type"], o["author"], o["reason"]) for o in payload["overrides"]}
+    progress("read", 0.0)
+    csg = _csg(payload)
+    if payload["rules"] is None:
+        return pipeline.classify(csg, overrides=overrides, units=payload["units"], progress=progress)
+    with tempfile.TemporaryDirectory(prefix="csgmesh-rules-") as folder:
+        path = Path(folder) / f"{payload['rules']['name']}.yaml"
+        path.write_text(payload["rules"]["text"], encoding="utf-8")
+        return pipeline.classify(csg, overrides=overrides, rules=str(path), units=payload["units"], progress=progress)
+
+
+def _stop(_signal: int, _frame: object) -> NoReturn:
+    raise SystemExit(128 + signal.SIGTERM)
