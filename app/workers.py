@@ -27,10 +27,14 @@ class WorkerDied(DefectError):
 
 
 class Worker:
-    """One process that does one task at a time; made at the first task, made anew after a crash."""
+    """One process that does one task at a time; made at the first task, made anew after a crash.
 
-    def __init__(self, artifacts_folder: Path) -> None:
+    body: what the process runs, a function (connection, artifacts folder).
+    """
+
+    def __init__(self, artifacts_folder: Path, body: Callable[[Connection, str], None] = serve_tasks) -> None:
         self._folder = str(artifacts_folder)
+        self._body = body
         self._turn = threading.Lock()
         self._change = threading.Lock()
         self._process: SpawnProcess | None = None
@@ -95,7 +99,7 @@ class Worker:
                 context = multiprocessing.get_context("spawn")
                 ours, theirs = context.Pipe()
                 # not daemonic: a daemonic process may have no children, and tetrahedra are made in one
-                process = context.Process(target=serve_tasks, args=(theirs, self._folder), name="csgmesh-worker")
+                process = context.Process(target=self._body, args=(theirs, self._folder), name="csgmesh-worker")
                 process.start()
                 theirs.close()
                 self._process, self._connection = process, ours

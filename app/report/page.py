@@ -1,0 +1,183 @@
+"""The report: one self-contained HTML page, pictures and figures inside."""
+
+from __future__ import annotations
+
+import base64
+from collections.abc import Sequence
+from html import escape
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from app.answers import meshed_answer
+from app.report.pictures import pictures
+from app.report.scenes import segment_colours
+from app.texts import number, plural
+
+if TYPE_CHECKING:
+    from app.pipeline import Meshed
+    from app.schemas import MeshAnswer, SegmentAnswer
+
+CAPTIONS = {
+    "solid": "The solid, as the CSG tree describes it",
+    "segments": "Its segments, as they were decided",
+    "mesh": "The mesh: shells at their mid-surface, beams with their section",
+}
+
+STYLE = """
+body { font: 15px/1.45 system-ui, sans-serif; color: #1d2530; max-width: 1100px; margin: 2rem auto; padding: 0 1rem }
+h1 { font-size: 1.5rem } h2 { font-size: 1.15rem; margin-top: 2rem; border-bottom: 1px solid #d5dbe2 }
+table { border-collapse: collapse; width: 100% } th { text-align: left; font-weight: 600 }
+td, th { padding: .3rem .6rem .3rem 0; border-bottom: 1px solid #e6eaee; vertical-align: top }
+td.n, th.n { text-align: right; font-variant-numeric: tabular-nums } small { color: #5c6875 }
+figure { margin: 1rem 0; display: inline-block; width: 100% } figcaption { color: #5c6875 }
+figure img { max-width: 100%; border: 1px solid #e6eaee } .bad { color: #b3261e; font-weight: 600 }
+.swatch { display: inline-block; width: .9em; height: .9em; margin-right: .4em; vertical-align: -.1em }
+@media (prefers-color-scheme: dark) { body { background: #fff } }
+"""
+
+
+def report_page(meshed: Meshed) -> str:
+    """The page as HTML text."""
+    answer = meshed_answer(meshed)
+    colours = segment_colours([segment.id for segment in answer.segments])
+    parts = [
+        f"<h1>{escape(answer.model)}</h1>",
+        f"<p>{_summary(answer)}</p>",
+        *(_figure(name, content) for name, content in pictures(meshed).items()),
+        "<h2>Segments</h2>",
+        _segments(answer, colours),
+        "<h2>Joints</h2>",
+        _table(("joint", "kind", "segments", "area"), [_joint(j) for j in answer.joints]) or "<p>None.</p>",
+        "<h2>Element quality</h2>",
+        _quality(answer.quality),
+        "<h2>Mass and checks</h2>",
+        _checks(answer),
+    ]
+    if answer.warnings:
+        parts += ["<h2>Warnings</h2>", "<ul>", *(f"<li>{escape(w)}</li>" for w in answer.warnings), "</ul>"]
+    parts += ["<h2>Seconds by stage</h2>", _seconds(answer.seconds)]
+    head = f'<meta charset="utf-8"><title>csgmesh: {escape(answer.model)}</title><style>{STYLE}</style>'
+    return f'<!doctype html>\n<html lang="en"><head>{head}</head>\n<body>\n' + "\n".join(parts) + "\n</body></html>\n"
+
+
+def _summary(answer: MeshAnswer) -> str:
+    elements = ", ".join(f"{count} {kind}" for kind, count in answer.elements.items())
+    components = plural(answer.components, "component")
+    return escape(
+        f"{plural(len(answer.segments), 'segment')}, {plural(answer.nodes, 'node')}, {elements}; {components}; "
+        f"units {answer.units}; rule base {answer.rule_base}"
+    )
+
+
+def _figure(name: str, content: bytes) -> str:
+    data = base64.b64encode(content).decode()
+    caption = CAPTIONS[name]
+    image = f'<img alt="{escape(caption)}" src="data:image/png;base64,{data}">'
+    return f'<figure id="{name}">{image}<figcaption>{escape(caption)}</figcaption></figure>'
+
+
+def _segments(answer: MeshAnswer, colours: dict[str, tuple[int, int, int]]) -> str:
+    rows = []
+    for segment in answer.segments:
+        red, green, blue = colours[segment.id]
+        decision = segment.decision
+        swatch = f'<span class="swatch" style="background: rgb({red}, {green}, {blue})"></span>'
+        origin = "" if segment.origin == "rule" else f"override; the rules say {decision.by_rule}. "
+        why = escape(f"{origin}{decision.because} ({decision.rule}, certainty {decision.certainty:g})")
+        rejected = "".join(f"<br><small>not {escape(f'{r.type}: {r.because}')}</small>" for r in decision.rejected)
+        node = escape(segment.node + (f" {segment.name}" if segment.name else ""))
+        cells = (swatch + escape(segment.id), node, escape(segment.type), escape(_measures(segment)))
+        rows.append(
+            "<tr>"
+            + "".join(f"<td>{cell}</td>" for cell in cells)
+            + f'<td class="n">{number(segment.volume)}</td><td>{why}{rejected}</td></tr>'
+        )
+    head = "<tr><th>segment</th><th>node</th><th>type</th><th>measures</th><th class=n>volume</th><th>why</th></tr>"
+    return f"<table>{head}{''.join(rows)}</table>"
+
+
+def _measures(segment: SegmentAnswer) -> str:
+    measures = []
+    for name in ("thickness", "length", "radius", "holes"):
+        value = getattr(segment, name)
+        if value is not None:
+            measures.append(f"{name} {number(value)}")
+    if segment.section is not None:
+        section = segment.section
+        measures.append(
+            f"section {section.shape}, A {number(section.area)}, Iyy {number(section.iyy)}, "
+            f"Izz {number(section.izz)}, J {number(section.j)}"
+        )
+    return ", ".join(measures)
+
+
+def _joint(joint: Any) -> tuple[str, ...]:
+    return (joint.id, joint.kind, " ".join(joint.segments), number(joint.area))
+
+
+def _quality(quality: dict[str, Any]) -> str:
+    rows, histograms = [], []
+    for kind, measures in quality.items():
+        for measure, values in measures.items():
+            if not isinstance(values, dict):
+                continue
+            numbers = [number(values[key]) if key in values else "" for key in ("min", "p5", "mean")]
+            rows.append((kind, measure.replace("_", " "), *numbers))
+            if "histogram" in values:
+                histograms.append(_histogram(f"{kind}, {measure.replace('_', ' ')}", values["histogram"]))
+    return (_table(("elements", "measure", "worst", "5 %", "mean"), rows) or "<p>Line elements only.</p>") + "".join(
+        histograms
+    )
+
+
+def _histogram(title: str, histogram: dict[str, Sequence[float]]) -> str:
+    """Bars as inline SVG; histogram: {"edges": n + 1 numbers, "counts": n}."""
+    counts = np.asarray(histogram["counts"], float)
+    edges = histogram["edges"]
+    width, height = 440, 120
+    step = width / len(counts)
+    top = max(counts.max(), 1.0)
+    bars = "".join(
+        f'<rect x="{k * step + 1:.1f}" y="{height - height * c / top:.1f}" width="{step - 2:.1f}" '
+        f'height="{height * c / top:.1f}" fill="#568cc8">'
+        f"<title>{edges[k]:.3g} to {edges[k + 1]:.3g}: {int(c)}</title></rect>"
+        for k, c in enumerate(counts)
+    )
+    axis = (
+        f'<line x1="0" y1="{height}" x2="{width}" y2="{height}" stroke="#5c6875"/>'
+        f'<text x="0" y="{height + 16}" font-size="12">{edges[0]:.3g}</text>'
+        f'<text x="{width}" y="{height + 16}" font-size="12" text-anchor="end">{edges[-1]:.3g}</text>'
+    )
+    picture = f'<svg width="{width}" height="{height + 22}" viewBox="0 0 {width} {height + 22}">{bars}{axis}</svg>'
+    return f"<figure>{picture}<figcaption>{escape(title)}, elements by value</figcaption></figure>"
+
+
+def _checks(answer: MeshAnswer) -> str:
+    mass = answer.mass
+    rows = [
+        ("mass of the solid", number(mass.solid)),
+        ("mass of the model", f"{number(mass.model)} (error {mass.error:.3%})"),
+        ("components", str(answer.components)),
+        ("volume of the segments", f"{number(answer.checks.volume_of_segments)} of {number(answer.volume)}"),
+        *((kind, str(count)) for kind, count in answer.couplings.items()),
+    ]
+    for name, value in (answer.checks.model_extra or {}).items():
+        if isinstance(value, bool | int | float | str):
+            rows.append((name.replace("_", " "), number(value)))
+    ledger = [(" ".join(row["segments"]), row["cause"], number(row["volume"])) for row in answer.ledger]
+    listed = _table(("segments", "counted more (+) or less (-) often than the solid has it", "volume"), ledger)
+    return _table(("check", "value"), rows) + (f"<h2>Ledger</h2>{listed}" if ledger else "")
+
+
+def _seconds(seconds: dict[str, float]) -> str:
+    return _table(("stage", "seconds"), [(stage, f"{value:.3f}") for stage, value in seconds.items()])
+
+
+def _table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+    """A table of plain text; the empty text without rows."""
+    if not rows:
+        return ""
+    first = "".join(f"<th>{escape(cell)}</th>" for cell in head)
+    body = "".join("<tr>" + "".join(f"<td>{escape(cell)}</td>" for cell in row) + "</tr>" for row in rows)
+    return f"<table><tr>{first}</tr>{body}</table>"

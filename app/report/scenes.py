@@ -1,0 +1,185 @@
+"""What the pictures show: the solid, its segments by colour, and the mesh; triangles and lines in the user's frame."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kernel.mesh.elements import ELEMENT_KINDS
+
+if TYPE_CHECKING:
+    from kernel.connect.model import Model
+    from kernel.idealise.section import SectionProperties
+    from kernel.mesh.mesh import ElementBlock
+    from kernel.segment.segments import Segment
+    from kernel.solid.evaluate import Evaluated
+    from kernel.solid.solid import Facets
+
+SOLID_COLOUR = (176, 190, 204)
+EDGE_COLOUR = (38, 44, 52)
+PALETTE = (
+    (86, 140, 200), (236, 148, 62), (104, 176, 110), (212, 98, 98), (150, 126, 190), (168, 128, 112),
+    (226, 146, 190), (140, 150, 160), (190, 186, 76), (84, 186, 200),
+)  # fmt: skip
+"""Told apart by hue and lightness; from the eleventh segment on they come again."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Body:
+    """Part of a scene. triangles: (n, 3, 3), lines: (m, 2, 3), model units, user's frame."""
+
+    name: str
+    colour: tuple[int, int, int]
+    triangles: NDArray[np.float64]
+    lines: NDArray[np.float64]
+
+
+def segment_colours(ids: list[str]) -> dict[str, tuple[int, int, int]]:
+    """A colour for each segment, in their order."""
+    return {name: PALETTE[index % len(PALETTE)] for index, name in enumerate(ids)}
+
+
+def solid_body(evaluated: Evaluated) -> Body:
+    """The whole solid with the edges between its surfaces."""
+    return _facets_body("solid", SOLID_COLOUR, evaluated.solid.facets, evaluated.frame)
+
+
+def segment_bodies(evaluated: Evaluated, segments: tuple[Segment, ...]) -> list[Body]:
+    """Every segment's own solid in its colour."""
+    colours = segment_colours([segment.id for segment in segments])
+    return [_facets_body(s.id, colours[s.id], s.solid.facets, evaluated.frame) for s in segments]
+
+
+def mesh_bodies(model: Model) -> list[Body]:
+    """Every segment's elements: shells' and solids' outer faces with their edges, beams as their extruded sections."""
+    nodes = model.mesh.nodes
+    colours = segment_colours([prop.segment for prop in model.properties])
+    sections = {prop.segment: prop.section for prop in model.properties}
+    bodies = []
+    for name, colour in colours.items():
+        triangles, lines = [np.empty((0, 3, 3))], [np.empty((0, 2, 3))]
+        volumes = [block for block in model.mesh.blocks if block.segment == name]
+        loops: list[NDArray[np.int64]] = []
+        for block in volumes:
+            section = sections.get(name)
+            if ELEMENT_KINDS[block.kind].dimension == 1:
+                if section is not None and block.orientation is not None:
+                    beam_triangles, beam_lines = _beam(nodes, block, section)
+                    triangles.append(beam_triangles)
+                    lines.append(beam_lines)
+                lines.append(nodes[block.connectivity[:, :2]])
+            else:
+                loops += _element_faces(block)
+        for loop in _outer(loops):
+            triangles += [nodes[loop[:, [0, k, k + 1]]] for k in range(1, loop.shape[1] - 1)]
+            lines.append(nodes[np.stack([loop, np.roll(loop, -1, axis=1)], axis=2).reshape(-1, 2)])
+        bodies.append(Body(name, colour, np.concatenate(triangles), np.concatenate(lines)))
+    return bodies
+
+
+def mesh_glb(model: Model) -> bytes:
+    """The mesh as binary glTF: a mesh node for each segment, and one of lines for its element edges."""
+    from trimesh import Scene, Trimesh
+    from trimesh.path.entities import Line
+    from trimesh.path.path import Path3D
+    from trimesh.visual import ColorVisuals
+
+    scene = Scene()
+    for body in mesh_bodies(model):
+        if len(body.triangles):
+            corners = body.triangles.reshape(-1, 3)
+            surface = Trimesh(corners, np.arange(len(corners)).reshape(-1, 3), process=False)
+            surface.visual = ColorVisuals(surface, face_colors=[*body.colour, 255])
+            scene.add_geometry(surface, node_name=body.name, geom_name=body.name)
+        if len(body.lines):
+            ends = body.lines.reshape(-1, 3)
+            entities = [Line(pair) for pair in np.arange(len(ends)).reshape(-1, 2)]
+            edges = Path3D(entities, ends, process=False)
+            scene.add_geometry(edges, node_name=f"{body.name} edges", geom_name=f"{body.name} edges")
+    return bytes(scene.export(file_type="glb"))
+
+
+def _facets_body(name: str, colour: tuple[int, int, int], facets: Facets, frame: NDArray[np.float64]) -> Body:
+    points = facets.vertices @ frame.T
+    return Body(name, colour, points[facets.triangles], points[_feature_edges(facets)])
+
+
+def _feature_edges(facets: Facets) -> NDArray[np.int64]:
+    """(n, 2) vertex pairs where two surfaces meet, or one surface folds by over 40 degrees (prisms of one surface)."""
+    triangles, neighbours = facets.triangles, facets.neighbours
+    edges = np.stack([triangles, np.roll(triangles, -1, axis=1)], axis=2)
+    mine = np.arange(len(triangles))[:, None]
+    safe = np.maximum(neighbours, 0)
+    folds = np.einsum("tj,tkj->tk", facets.normals, facets.normals[safe]) < 0.77
+    shown = (neighbours < 0) | ((mine < neighbours) & ((facets.surface[safe] != facets.surface[:, None]) | folds))
+    return edges[shown]
+
+
+def _element_faces(block: ElementBlock) -> list[NDArray[np.int64]]:
+    """Corner loops of the faces of every element, an array for triangles and one for quadrilaterals."""
+    faces: dict[int, list[NDArray[np.int64]]] = {}
+    for face in ELEMENT_KINDS[block.kind].faces:
+        faces.setdefault(len(face), []).append(block.connectivity[:, list(face)])
+    return [np.concatenate(loops) for loops in faces.values()]
+
+
+def _outer(loops: list[NDArray[np.int64]]) -> list[NDArray[np.int64]]:
+    """Of the faces of one segment, those that stand once: what can be seen from outside (all of them for shells)."""
+    outer = []
+    for corners in (3, 4):
+        same = [loop for loop in loops if loop.shape[1] == corners]
+        if not same:
+            continue
+        together = np.concatenate(same)
+        _, inverse, count = np.unique(np.sort(together, axis=1), axis=0, return_inverse=True, return_counts=True)
+        outer.append(together[count[inverse.ravel()] == 1])
+    return outer
+
+
+def _beam(
+    nodes: NDArray[np.float64], block: ElementBlock, section: SectionProperties
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """The section's outline extruded along every line element, closed at the ends that only one element has.
+
+    The element lies at the section's centroid; y along its orientation vector, z = direction x y.
+    """
+    from manifold3d import triangulate
+    from shapely.geometry import MultiPolygon
+    from shapely.geometry.polygon import orient
+
+    centroid = np.array(section.centroid)
+    parts = section.outline.geoms if isinstance(section.outline, MultiPolygon) else [section.outline]
+    rings = [np.asarray(r.coords)[:-1] - centroid for p in parts for r in (orient(p).exterior, *orient(p).interiors)]
+    points = np.concatenate(rings)
+    cap = triangulate(rings)
+    start, end = nodes[block.connectivity[:, 0]], nodes[block.connectivity[:, 1]]
+    direction = _unit(end - start)
+    assert block.orientation is not None
+    y = _unit(block.orientation - direction * np.einsum("ij,ij->i", block.orientation, direction)[:, None])
+    z = np.cross(direction, y)
+    offset = points[None, :, 0, None] * y[:, None] + points[None, :, 1, None] * z[:, None]
+    near, far = start[:, None] + offset, end[:, None] + offset
+    triangles, lines = [], []
+    first = 0
+    for ring in rings:
+        here = first + np.arange(len(ring))
+        there = np.roll(here, -1)
+        first += len(ring)
+        for corners in ((near[:, here], near[:, there], far[:, there]), (near[:, here], far[:, there], far[:, here])):
+            triangles.append(np.stack(corners, axis=2).reshape(-1, 3, 3))
+        edges = _unit(ring - np.roll(ring, 1, axis=0))
+        sharp = here[np.einsum("ij,ij->i", edges, np.roll(edges, -1, axis=0)) < 0.8]
+        lines.append(np.stack([near[:, sharp], far[:, sharp]], axis=2).reshape(-1, 2, 3))
+        lines += [np.stack([end_[:, here], end_[:, there]], axis=2).reshape(-1, 2, 3) for end_ in (near, far)]
+    names, count = np.unique(block.connectivity[:, :2], return_counts=True)
+    free = np.isin(block.connectivity[:, :2], names[count == 1])
+    triangles += [near[free[:, 0]][:, cap].reshape(-1, 3, 3), far[free[:, 1]][:, cap].reshape(-1, 3, 3)]
+    return np.concatenate(triangles), np.concatenate(lines)
+
+
+def _unit(vectors: NDArray[np.float64]) -> NDArray[np.float64]:
+    unit: NDArray[np.float64] = vectors / np.linalg.norm(vectors, axis=-1, keepdims=True)
+    return unit

@@ -1,0 +1,62 @@
+"""The renderer: what is in front hides what is behind, and the file is a PNG."""
+
+import struct
+import zlib
+
+import numpy as np
+import pytest
+
+from app.report.render import Scene, png, render
+
+RED, BLUE, BLACK = (255, 0, 0), (0, 0, 255), (0, 0, 0)
+FROM_ABOVE = (0.0, 0.0, 1.0)
+
+
+def square(z, half=1.0):
+    corners = np.array([(-half, -half, z), (half, -half, z), (half, half, z), (-half, half, z)])
+    return corners[[[0, 1, 2], [0, 2, 3]]]
+
+
+def scene(*squares, lines=()):
+    triangles = np.concatenate([square(z, half) for z, half, _ in squares])
+    colours = np.repeat(np.array([colour for *_, colour in squares], np.uint8), 2, axis=0)
+    drawn = np.array(lines, float).reshape(-1, 2, 3)
+    return Scene(triangles, colours, drawn, np.tile(np.array(BLACK, np.uint8), (len(drawn), 1)))
+
+
+@pytest.mark.parametrize("order", [(0, 1), (1, 0)])
+def test_the_nearer_square_hides_the_farther_one_whatever_their_order(order):
+    squares = [(0.0, 1.0, RED), (0.5, 0.5, BLUE)]
+    image = render(scene(*(squares[k] for k in order)), 100, 100, FROM_ABOVE)
+    assert image[50, 50, 2] > 150 and image[50, 50, 0] == 0
+    assert image[50, 10, 0] > 150 and image[50, 10, 2] == 0
+
+
+def test_a_line_on_a_face_is_seen_and_one_behind_it_is_not():
+    on, behind = [(-1, 0, 0), (1, 0, 0)], [(-1, 0.5, -0.5), (1, 0.5, -0.5)]
+    image = render(scene((0.0, 1.0, RED), lines=[on, behind]), 100, 100, FROM_ABOVE)
+    assert image[48:52, 50].min() < 10
+    assert image[20:35, 50, 0].min() > 150
+
+
+def test_a_face_turned_away_from_the_light_is_darker():
+    corners = np.array([(0, 0, 0), (1, 0, 0), (1, 0, 1), (0, 0, 1), (1, 1, 0), (1, 1, 1), (0, 1, 1)], float)
+    triangles = corners[[[0, 1, 2], [0, 2, 3], [1, 4, 5], [1, 5, 2], [3, 2, 5], [3, 5, 6]]]
+    image = render(Scene(triangles, np.full((6, 3), 200, np.uint8)), 200, 200)
+    shades = {int(value) for value in np.unique(image[..., 0]) if value < 250 and (image[..., 0] == value).sum() > 500}
+    assert len(shades) == 3
+
+
+def test_an_empty_scene_is_a_white_picture():
+    assert render(Scene(np.empty((0, 3, 3)), np.empty((0, 3), np.uint8)), 20, 10).min() == 255
+
+
+def test_the_picture_survives_the_png():
+    image = np.random.default_rng(1).integers(0, 256, (7, 5, 3), np.uint8)
+    content = png(image)
+    assert content.startswith(b"\x89PNG\r\n\x1a\n") and content.endswith(b"IEND\xaeB`\x82")
+    assert struct.unpack(">II", content[16:24]) == (5, 7)
+    length = struct.unpack(">I", content[33:37])[0]
+    rows = np.frombuffer(zlib.decompress(content[41 : 41 + length]), np.uint8).reshape(7, 16)
+    assert (rows[:, 0] == 2).all()
+    assert (np.cumsum(rows[:, 1:], axis=0, dtype=np.uint8).reshape(7, 5, 3) == image).all()
