@@ -123,6 +123,8 @@ class Segment:
     decision: Decision
     volume: float
     holes: int | None = None
+    sources: tuple[str, ...] = ()
+    """Paths of the CSG nodes that were combined into it; one of them is `node` unless several were."""
 
     @property
     def thickness(self) -> float | None:

@@ -1,0 +1,166 @@
+"""Describing: the facts of one piece of the model, tier by tier, in the vocabulary of facts.py.
+
+Geometry gives facts and never judges. Numbers are rounded to FACT_DIGITS significant digits, so that equal pieces
+give equal facts however they are turned, moved or written, and a limit met exactly is met.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from typing import TYPE_CHECKING
+
+import numpy as np
+import shapely
+
+from kernel.facts import Facts, Value
+from kernel.segment.operands import leaf_count, operands_of, tools_of
+from kernel.segment.slices import smallest_rectangle
+from kernel.solid.surfaces import plane_frame
+
+if TYPE_CHECKING:
+    from kernel.segment.pieces import Piece
+    from kernel.segment.prism import Sweep
+    from kernel.solid.solid import Solid
+
+FACT_DIGITS = 6
+"""Significant digits of a measured fact: what six-digit input can tell apart."""
+
+SUPPORT_SHARE = 0.5
+"""A contact along less than this share of a member's length is a support; a longer one is a seam."""
+
+
+def intent(piece: Piece) -> Facts:
+    """What the tree says, before anything is measured."""
+    operand = piece.operand
+    values: dict[str, Value] = {
+        "kind": "piece" if operand is None else operand.node.kind,
+        "role": piece.role,
+        "is_named": piece.name is not None and operand is not None,
+        "depth": piece.depth,
+        "operand_count": 1 if operand is None else max(len(operands_of(operand)), 1),
+        "tool_count": 0 if operand is None else sum(1 for _ in tools_of(operand)),
+        "leaf_count": 0 if operand is None else leaf_count(operand),
+    }
+    return Facts(values, "intent")
+
+
+def extents(piece: Piece) -> dict[str, Value]:
+    """Cheap measures of the solid."""
+    solid = piece.solid
+    long, middle, short = own_box(piece)
+    return _rounded(
+        {
+            "volume": solid.true_volume,
+            "component_count": len(piece.components),
+            "extent_long": long,
+            "extent_middle": middle,
+            "extent_short": short,
+            "fill": min(solid.volume / (long * middle * short), 1.0),
+        }
+    )
+
+
+def own_box(piece: Piece) -> tuple[float, float, float]:
+    """Sides of the smallest box that stands square to one of the solid's own directions, longest first."""
+    vertices = piece.solid.facets.vertices
+    best: tuple[float, float, float] | None = None
+    for sweep in piece.sweeps:
+        u, v, _ = plane_frame(sweep.direction)
+        across = smallest_rectangle(shapely.multipoints(vertices @ np.stack([u, v], axis=1)))
+        box = (sweep.length, *across)
+        if best is None or math.prod(box) < math.prod(best) * (1.0 - 1e-9):
+            best = box
+    assert best is not None
+    long, middle, short = sorted(best, reverse=True)
+    return long, middle, short
+
+
+def prism(piece: Piece) -> dict[str, Value]:
+    """How the solid is swept along its best axis."""
+    measured = piece.prism
+    if measured is None:
+        return {"is_prismatic": False}
+    return _rounded(
+        {
+            "is_prismatic": measured.sweep.is_exact,
+            "prism_length": measured.sweep.length,
+            "free_length": free_length(piece.solid, measured.sweep, piece.neighbours),
+            "section_long": measured.long_side,
+            "section_short": measured.short_side,
+            "section_area": measured.area,
+            "slenderness": measured.slenderness,
+            "flatness": measured.long_side / measured.short_side,
+            "volume_deviation": measured.volume_deviation,
+            "sections_off": measured.sections_off,
+            "worst_section_off": measured.worst_section_off,
+        }
+    )
+
+
+def free_length(solid: Solid, sweep: Sweep, neighbours: tuple[Solid, ...]) -> float:
+    """Longest length along the sweep between supports: contacts with neighbours, each shorter than half the member.
+
+    A contact is taken from the boxes of the two in the member's own frame.
+    """
+    axes = np.stack([*plane_frame(sweep.direction)], axis=1)
+    own = solid.facets.vertices @ axes
+    low, high = own.min(axis=0), own.max(axis=0)
+    slack = solid.surfaces.tolerance * 10.0
+    supports: list[tuple[float, float]] = []
+    for neighbour in neighbours:
+        other = neighbour.facets.vertices @ axes
+        start, end = np.maximum(low, other.min(axis=0)), np.minimum(high, other.max(axis=0))
+        if np.all(end - start > -slack) and end[2] - start[2] < SUPPORT_SHARE * sweep.length:
+            supports.append((float(start[2]), float(end[2])))
+    longest, reached = 0.0, sweep.start
+    for first, last in [*sorted(supports), (sweep.end, sweep.end)]:
+        longest = max(longest, first - reached)
+        reached = max(reached, last)
+    return longest
+
+
+def walls(piece: Piece) -> dict[str, Value]:
+    """What the thin-wall decomposition found."""
+    from kernel.segment.shapes import wall_holes
+    from kernel.segment.walls import TubeWall
+
+    found = piece.walls
+    parts = found.parts
+    tubes = [part for part in parts if isinstance(part.wall, TubeWall)]
+    values: dict[str, Value] = {
+        "wall_count": len(parts),
+        "plane_wall_count": len(parts) - len(tubes),
+        "cylinder_wall_count": len(tubes),
+        "wall_share": found.share,
+        "hole_count": sum(wall_holes(part.wall, part.solid) for part in parts),
+    }
+    if parts:
+        values["wall_thickness"] = max(part.wall.thickness for part in parts)
+        values["thinnest_wall"] = min(part.wall.thickness for part in parts)
+        values["wall_slenderness"] = min(part.wall.width / part.wall.thickness for part in parts)
+    if tubes:
+        values["radius_ratio"] = min(
+            part.wall.mid_radius / part.wall.thickness for part in tubes if isinstance(part.wall, TubeWall)
+        )
+    return _rounded(values)
+
+
+def necks(piece_count: int, member_volume: float, volume: float) -> dict[str, Value]:
+    """What cuts at necks would give: pieces, and the share of the volume that then is not brick."""
+    return _rounded({"neck_count": piece_count, "neck_share": member_volume / volume})
+
+
+MEASURES: Mapping[str, Callable[[Piece], dict[str, Value]]] = {"extents": extents, "prism": prism, "walls": walls}
+"""How each tier is measured; necks ask about their pieces, so the walk measures them (segment/partition.py)."""
+
+
+def _rounded(values: Mapping[str, Value]) -> dict[str, Value]:
+    return {name: round_fact(value) if isinstance(value, float) else value for name, value in values.items()}
+
+
+def round_fact(value: float) -> float:
+    """`value` to FACT_DIGITS significant digits; shares within 1e-9 of 0 are 0."""
+    if abs(value) < 1e-9 or not math.isfinite(value):
+        return 0.0 if math.isfinite(value) else value
+    return float(f"{value:.{FACT_DIGITS}g}")

@@ -1,0 +1,112 @@
+"""Ownership: where drafts overlap, the overlap belongs to one of them.
+
+To the brick, then the plate or cylinder-plate, then the beam; among equals to the larger section, then the larger
+volume, then by place. Drafts were decided on their untrimmed solids and keep their full length.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+import shapely
+from shapely import STRtree
+
+from kernel.segment.shapes import Draft
+from kernel.segment.slabs import most_shared
+from kernel.segment.walls import PlaneWall
+from kernel.solid.solid import Solid, subtract, unite
+
+RANK = {"brick": 0, "plate": 1, "cylinder_plate": 1, "beam": 2}
+"""Lower ranks own overlaps."""
+
+GONE = 1e-7
+"""A draft left with less than this share of its volume lies within the others."""
+
+SLIVER = 1e-6
+"""A piece of a trimmed draft smaller than this share of it goes to the owner that it touches."""
+
+UNTOUCHED = 1e-9
+"""A draft that loses less than this share of its volume is not overlapped."""
+
+
+def settle_overlaps(drafts: Sequence[Draft]) -> list[Draft]:
+    """The drafts made disjoint, in the order of their rank; together they fill what they filled before."""
+    ranked = sorted(drafts, key=_rank)
+    losses = _overlapped(ranked)
+    kept: list[Draft] = []
+    place: dict[int, list[int]] = {}
+    slivers: list[tuple[Solid, int]] = []
+    for index, draft in enumerate(ranked):
+        pieces = [draft]
+        if losses[index]:
+            pieces, crumbs = _trimmed(draft, [ranked[owner] for owner in losses[index]])
+            slivers += [(crumb, index) for crumb in crumbs]
+        place[index] = list(range(len(kept), len(kept) + len(pieces)))
+        kept += pieces
+    for crumb, index in slivers:
+        near = [position for owner in (*losses[index], index) for position in place[owner]]
+        host = most_shared([kept[position].solid for position in near], crumb)
+        if host is not None:
+            kept[near[host]] = replace(kept[near[host]], solid=unite([kept[near[host]].solid, crumb]))
+    return kept
+
+
+def _rank(draft: Draft) -> tuple[float, ...]:
+    size = draft.solid.surfaces.size
+    volume = round(draft.solid.volume / size**3, 9)
+    corners = np.round(draft.solid.bounds / size, 6).ravel() + 0.0
+    return (RANK[draft.type], -round(draft.section_area / size**2, 9), -volume, *map(float, corners))
+
+
+def _overlapped(ranked: Sequence[Draft]) -> list[list[int]]:
+    """For each draft, the higher ranked ones whose boxes overlap its own."""
+    losses: list[list[int]] = [[] for _ in ranked]
+    if len(ranked) < 2:
+        return losses
+    boxes = np.array([draft.solid.bounds for draft in ranked])
+    slack = ranked[0].solid.surfaces.tolerance
+    flat = shapely.box(boxes[:, 0, 0], boxes[:, 0, 1], boxes[:, 1, 0], boxes[:, 1, 1])
+    first, second = STRtree(flat).query(flat)
+    depth = np.minimum(boxes[first, 1], boxes[second, 1]) - np.maximum(boxes[first, 0], boxes[second, 0])
+    overlap = (depth > slack).all(axis=1) & (second < first)
+    for loser, owner in zip(first[overlap], second[overlap]):
+        losses[int(loser)].append(int(owner))
+    return [sorted(owners) for owners in losses]
+
+
+def _trimmed(draft: Draft, owners: list[Draft]) -> tuple[list[Draft], list[Solid]]:
+    """What the owners leave of a draft, and the slivers that are too small to stand alone."""
+    rest = subtract(draft.solid, [owner.solid for owner in owners])
+    volume = draft.solid.volume
+    if rest.is_empty or rest.volume < GONE * volume:
+        return [], []
+    if rest.volume > (1.0 - UNTOUCHED) * volume:
+        return [draft], []
+    components = rest.components()
+    pieces = [piece for piece in components if piece.volume > SLIVER * volume]
+    slivers = [piece for piece in components if piece.volume <= SLIVER * volume]
+    if len(pieces) > 1 and isinstance(draft.wall, PlaneWall) and all(owner.wall is not None for owner in owners):
+        return [replace(draft, solid=unite(pieces))], slivers  # walls that cross: each stays one
+    if draft.type != "beam" or len(pieces) < 2:
+        return [replace(draft, solid=piece) for piece in pieces], slivers
+    return _cut_beam(draft, pieces), slivers
+
+
+def _cut_beam(draft: Draft, pieces: list[Solid]) -> list[Draft]:
+    """A beam in several pieces: only the outermost keep its full ends."""
+    assert draft.prism is not None
+    direction = draft.prism.sweep.direction
+    spans = [(float((at := piece.facets.vertices @ direction).min()), float(at.max())) for piece in pieces]
+    full_start, full_end = draft.reach or (draft.prism.sweep.start, draft.prism.sweep.end)
+    first, last = min(start for start, _ in spans), max(end for _, end in spans)
+    slack = draft.solid.surfaces.tolerance
+    return [
+        replace(
+            draft,
+            solid=piece,
+            reach=(full_start if start < first + slack else start, full_end if end > last - slack else end),
+        )
+        for piece, (start, end) in zip(pieces, spans)
+    ]

@@ -1,0 +1,309 @@
+"""Partition: the walk from the root that asks about each piece, and carries out what is concluded.
+
+    piece -> facts, tier by tier -> conclusion (or the user's override) -> beam plate cylinder_plate brick: a draft
+                                                                        -> plates: its walls, and what they leave
+                                                                        -> split: its operands (or components)
+                                                                        -> cut: its pieces after cuts at necks
+    drafts of a split -> overlaps settled -> clusters tried as one -> segments
+
+The walk judges nothing: `decide` does (see plan.py). It records every question and answer.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+import shapely
+from shapely import STRtree
+
+from kernel import describe
+from kernel.csg.tree import walk
+from kernel.errors import DefectError, RuleError
+from kernel.facts import TIERS, Facts
+from kernel.plan import Conclusion, Decide, Decision, Need, Override, Plan
+from kernel.segment.assign import UnfitError, drafts_as_one, drafts_of_walls
+from kernel.segment.clusters import Cluster, find_clusters
+from kernel.segment.necks import cut_at_neck
+from kernel.segment.operands import Operand, operand_at, operands_of, solid_of
+from kernel.segment.ownership import settle_overlaps
+from kernel.segment.pieces import Piece
+from kernel.segment.pinned import Pins, pin
+from kernel.segment.segments import Segment
+from kernel.segment.shapes import Draft, shape_of
+from kernel.units import VOLUME_TOLERANCE
+
+if TYPE_CHECKING:
+    from kernel.solid.evaluate import Evaluated
+    from kernel.solid.solid import Solid
+
+NECK_DEPTH = 12
+"""Cuts at necks within cuts at necks: what a frame of a dozen bars needs; deeper is no assembly of members."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Partition:
+    """The segments of a model, and the plan that they come from."""
+
+    segments: tuple[Segment, ...]
+    plan: Plan
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Outcome:
+    """What became of a piece: drafts, and the decisions that were taken on the way."""
+
+    drafts: tuple[Draft, ...]
+    decisions: tuple[Decision, ...]
+
+
+def partition(evaluated: Evaluated, decide: Decide, overrides: Mapping[str, Override] | None = None) -> Partition:
+    """The model as disjoint segments that fill it.
+
+    overrides: by canonical path. OverrideError: an override that cannot be; RuleError: a conclusion of the rules that
+    cannot be; DefectError: the segments do not fill the solid.
+    """
+    overrides = dict(overrides or {})
+    root = operand_at("/", evaluated.model.root)
+    pins = pin(evaluated.model.root, overrides)
+    walker = _Walk(evaluated, decide, pins)
+    piece = Piece(evaluated.solid, root.path, root.path, "root", 0, root.node.name, root)
+    outcome = walker.settle(piece)
+    _check_volume(outcome.drafts, evaluated.solid)
+    segments = _numbered(outcome.drafts, evaluated)
+    return Partition(segments, Plan(outcome.decisions, overrides))
+
+
+@dataclass(eq=False)
+class _Walk:
+    evaluated: Evaluated
+    decide: Decide
+    pins: Pins
+    answers: dict[tuple, Conclusion] = field(default_factory=dict)
+    trials: dict[int, tuple[Piece, Outcome]] = field(default_factory=dict)
+    neck_depth: int = 0
+
+    # ---- asking
+
+    def settle(self, piece: Piece) -> Outcome:
+        """The piece decided, by override or by rule, and what follows from it carried out."""
+        facts, by_rule = self.ask(piece)
+        pinned, below = self.pins.of(piece.operand), self.pins.below(piece.operand)
+        override = pinned[1] if pinned else None
+        if below and override is None:
+            override = Override("split", reason=f"so that the override of {', '.join(below)} can be carried out")
+        origin = "override" if override is not None else "rule"
+        decision = Decision(piece.label, facts, override.type if override else by_rule.type, origin, by_rule, override)
+        try:
+            outcome = self._carry_out(piece, decision)
+        except UnfitError as unfit:
+            if override is not None:
+                raise unfit.as_override_error(pinned[0] if pinned else piece.path, override.type) from None
+            raise RuleError(
+                f"rule {by_rule.rule} concludes {by_rule.type} for {piece.label}, which cannot be: {unfit.reason}"
+            ) from None
+        return Outcome(outcome.drafts, (decision, *outcome.decisions))
+
+    def ask(self, piece: Piece) -> tuple[Facts, Conclusion]:
+        """The rules' conclusion, and the facts that it took."""
+        facts = describe.intent(piece)
+        while True:
+            answer = self._answer(facts)
+            if isinstance(answer, Conclusion):
+                return facts, answer
+            if answer.tier not in TIERS or TIERS.index(answer.tier) <= TIERS.index(facts.tier):
+                raise RuleError(f"the rules ask for facts of {answer.tier!r} that {piece.label} already has")
+            for tier in TIERS[TIERS.index(facts.tier) + 1 : TIERS.index(answer.tier) + 1]:
+                facts = facts.with_tier(tier, self._measure(piece, tier))
+
+    def _answer(self, facts: Facts) -> Conclusion | Need:
+        key = (facts.tier, *sorted(facts.items()))
+        if key in self.answers:
+            return self.answers[key]
+        answer = self.decide(facts)
+        if isinstance(answer, Conclusion):
+            self.answers[key] = answer
+        return answer
+
+    def _measure(self, piece: Piece, tier: str) -> dict:
+        if tier != "necks":
+            return describe.MEASURES[tier](piece)
+        outcome = self._cut(piece)
+        members = sum(draft.solid.volume for draft in outcome.drafts if draft.type != "brick")
+        return describe.necks(len(outcome.drafts), members, piece.solid.volume)
+
+    # ---- carrying out
+
+    def _carry_out(self, piece: Piece, decision: Decision) -> Outcome:
+        match decision.type:
+            case "split":
+                return self._split(piece, decision)
+            case "plates":
+                drafts = drafts_of_walls(piece, decision)
+                return self._with_rest(piece, drafts)
+            case "cut":
+                outcome = self._cut(piece)
+                if not outcome.drafts:
+                    raise UnfitError("it has no necks to cut at")
+                return outcome
+            case _:
+                if decision.type in ("plate", "cylinder_plate") and decision.origin == "rule":
+                    if len(piece.walls.parts) == 1 and piece.walls.remainder:
+                        return self._with_rest(piece, drafts_of_walls(piece, decision))
+                return Outcome(drafts_as_one(piece, decision), ())
+
+    def _with_rest(self, piece: Piece, drafts: tuple[Draft, ...]) -> Outcome:
+        """Wall drafts, and the remainder of their piece decided again."""
+        outcomes = [
+            self.settle(piece.part(rest, number, "remainder")) for number, rest in enumerate(piece.walls.remainder, 1)
+        ]
+        return _joined([Outcome(drafts, ()), *outcomes])
+
+    def _split(self, piece: Piece, decision: Decision) -> Outcome:
+        operands = operands_of(piece.operand) if piece.operand is not None else ()
+        if operands:
+            outcome = _joined([self.settle(child) for child in self._children(piece, operands)])
+            drafts = settle_overlaps(outcome.drafts)
+            if decision.by_rule.type == "split" or decision.override is None or self.pins.of(piece.operand) is None:
+                return self._cluster(piece, Outcome(tuple(drafts), outcome.decisions))
+            return Outcome(tuple(drafts), outcome.decisions)
+        if len(piece.components) < 2:
+            raise UnfitError("it is one solid and has no operands")
+        return _joined(
+            [self.settle(piece.part(part, number, "piece")) for number, part in enumerate(piece.components, 1)]
+        )
+
+    def _children(self, piece: Piece, operands: Sequence[Operand]) -> list[Piece]:
+        """Pieces for the operands that have material, each knowing the others whose boxes touch its own."""
+        solids = [(operand, solid_of(self.evaluated, operand)) for operand in operands]
+        solids = [(operand, solid) for operand, solid in solids if not solid.is_empty]
+        beside = _touching_boxes([solid for _, solid in solids])
+        return [
+            Piece(
+                solid=solid,
+                path=operand.path,
+                label=operand.path,
+                role="operand",
+                depth=operand.depth,
+                name=operand.node.name,
+                operand=operand,
+                neighbours=(*piece.neighbours, *(solids[other][1] for other in beside[index])),
+            )
+            for index, (operand, solid) in enumerate(solids)
+        ]
+
+    def _cut(self, piece: Piece) -> Outcome:
+        """The piece cut at its smallest neck and its parts decided, done once; no drafts where there is no neck."""
+        if id(piece) in self.trials:
+            return self.trials[id(piece)][1]
+        outcome = Outcome((), ())
+        if self.neck_depth < NECK_DEPTH:
+            self.neck_depth += 1
+            parts = cut_at_neck(piece.solid)
+            outcome = _joined([self.settle(piece.part(part, number, "piece")) for number, part in enumerate(parts, 1)])
+            self.neck_depth -= 1
+        self.trials[id(piece)] = (piece, outcome)
+        return outcome
+
+    # ---- clusters
+
+    def _cluster(self, piece: Piece, outcome: Outcome) -> Outcome:
+        """Drafts that the rules see as one member combined."""
+        drafts = list(outcome.drafts)
+        decisions = list(outcome.decisions)
+        gone: set[int] = set()
+        made: list[Draft] = []
+        number = 0
+        for cluster in find_clusters(drafts):
+            if gone.intersection(cluster.members):
+                continue
+            number += 1
+            combined = self._try_cluster(piece, drafts, cluster, number)
+            if combined is not None:
+                gone.update(cluster.members)
+                made.append(combined.drafts[0])
+                decisions += combined.decisions
+        kept = [draft for index, draft in enumerate(drafts) if index not in gone]
+        return Outcome((*kept, *made), tuple(decisions))
+
+    def _try_cluster(self, piece: Piece, drafts: list[Draft], cluster: Cluster, number: int) -> Outcome | None:
+        members = [drafts[index] for index in cluster.members]
+        whole = Piece(cluster.solid, piece.path, f"{piece.label}#{number}", "cluster", piece.depth, piece.name)
+        facts, by_rule = self.ask(whole)
+        if by_rule.type not in ("plate", "plates") if cluster.kind == "sheet" else by_rule.type != "beam":
+            return None
+        type_ = "plate" if cluster.kind == "sheet" else "beam"
+        decision = Decision(whole.label, facts, type_, "rule", by_rule)
+        try:
+            draft = drafts_as_one(whole, decision)[0]
+        except UnfitError:
+            return None
+        if draft.solid.volume < (1.0 - VOLUME_TOLERANCE) * cluster.solid.volume:
+            return None
+        sources = tuple(sorted({path for member in members for path in (member.sources or (member.path,))}))
+        return Outcome((replace(draft, sources=sources),), (decision,))
+
+
+def _joined(outcomes: Sequence[Outcome]) -> Outcome:
+    return Outcome(
+        tuple(draft for outcome in outcomes for draft in outcome.drafts),
+        tuple(decision for outcome in outcomes for decision in outcome.decisions),
+    )
+
+
+def _touching_boxes(solids: Sequence[Solid]) -> list[list[int]]:
+    """For each solid, the others whose boxes touch its own."""
+    if len(solids) < 2:
+        return [[] for _ in solids]
+    boxes = np.array([solid.bounds for solid in solids])
+    slack = 10.0 * solids[0].surfaces.tolerance
+    flat = shapely.box(boxes[:, 0, 0] - slack, boxes[:, 0, 1] - slack, boxes[:, 1, 0] + slack, boxes[:, 1, 1] + slack)
+    first, second = STRtree(flat).query(flat)
+    depth = np.minimum(boxes[first, 1], boxes[second, 1]) - np.maximum(boxes[first, 0], boxes[second, 0])
+    touch = (depth > -slack).all(axis=1) & (first != second)
+    beside: list[list[int]] = [[] for _ in solids]
+    for one, other in zip(first[touch], second[touch]):
+        beside[int(one)].append(int(other))
+    return [sorted(others) for others in beside]
+
+
+def _check_volume(drafts: Sequence[Draft], solid: Solid) -> None:
+    total = sum(draft.solid.volume for draft in drafts)
+    if abs(total - solid.volume) > VOLUME_TOLERANCE * solid.volume:
+        raise DefectError(
+            f"the segments' volumes sum to {total:.9g}, expected the solid's {solid.volume:.9g} "
+            f"within {VOLUME_TOLERANCE:g} of it"
+        )
+
+
+def _numbered(drafts: Sequence[Draft], evaluated: Evaluated) -> tuple[Segment, ...]:
+    """Segments in the order of their paths, then of their places."""
+    names = {path: node.name for path, node in walk(evaluated.model.root)}
+    size = evaluated.size
+
+    def order(draft: Draft) -> tuple:
+        steps = () if draft.path == "/" else tuple(int(step) for step in draft.path.split("."))
+        middle = np.round(draft.solid.bounds.mean(axis=0) / size, 6) + 0.0
+        return (steps, tuple(map(float, middle)), draft.type, -draft.solid.volume)
+
+    segments = []
+    for number, draft in enumerate(sorted(drafts, key=order), 1):
+        shape, holes = shape_of(draft)
+        segments.append(
+            Segment(
+                id=f"s{number}",
+                node=draft.path,
+                name=names[draft.path],
+                type=draft.type,
+                origin=draft.decision.origin,
+                solid=draft.solid,
+                shape=shape,
+                decision=draft.decision,
+                volume=draft.solid.true_volume,
+                holes=holes,
+                sources=draft.sources or (draft.path,),
+            )
+        )
+    return tuple(segments)

@@ -1,0 +1,358 @@
+"""Thin-wall decomposition: the solid between each wall's faces, and who gets the corners where walls meet.
+
+    slab of a wall = the solid between its faces, over the paired region (holes filled), grown into crossing walls
+    a corner, where two slabs overlap, goes to the wall with more free face there (a tee to the flange);
+    as good as equal: to the larger wall, then to the thinner one
+
+The remainder is what no slab holds; crumbs of it go to the wall they share most area with.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+import shapely
+from shapely import Polygon, STRtree
+
+from kernel.segment.faces import Faces, Region
+from kernel.segment.slices import parts_of, slice_polygon
+from kernel.segment.walls import PlaneWall, TubeWall, Wall, find_walls
+from kernel.solid.solid import half_space_cut, intersect, prism, subtract, tube, unite
+from kernel.solid.surfaces import PlaneFrame
+
+if TYPE_CHECKING:
+    from kernel.solid.solid import Solid
+
+GROWTH = 1.1
+"""A slab grows by this many thicknesses of the thickest crossing wall, to reach through it."""
+
+COVER = 0.98
+"""Share of a paired region that must be solid half-way between the faces."""
+
+FREE_MARGIN = 0.3
+"""Shares of free face that differ by less are as good as equal."""
+
+EMPTY = 1e-9
+"""Solids smaller than this share of the whole are rounding."""
+
+CRUMB_SHARE = 2e-3
+"""A piece of the remainder smaller than this share of the whole is a crumb (fillets, corner dust)."""
+
+CRUMB_SIZE = 30.0
+"""So is a piece smaller than this many cubes of the thickest wall's thickness, while under CRUMB_LIMIT."""
+
+CRUMB_LIMIT = 5e-3
+"""No crumb is larger than this share of the whole."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class WallPart:
+    """A wall and the connected solid that is its own; cut in several by a wall that runs through it, it stays one."""
+
+    wall: Wall
+    solid: Solid
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class WallDecomposition:
+    """The walls of a solid, disjoint, and what is left. share: of the volume that the walls hold."""
+
+    parts: tuple[WallPart, ...]
+    remainder: tuple[Solid, ...]
+    share: float
+
+
+def decompose(solid: Solid) -> WallDecomposition:
+    """The solid's walls and what they leave."""
+    faces = Faces(solid)
+    walls = find_walls(solid, faces)
+    volume = solid.volume
+    slabs: list[tuple[Wall, Solid]] = []
+    for wall in walls:
+        slab = _plane_slab(faces, wall, walls) if isinstance(wall, PlaneWall) else _tube_slab(faces, wall, walls)
+        if slab is not None and slab.volume > EMPTY * volume:
+            slabs.append((wall, slab))
+    if not slabs:
+        return WallDecomposition((), solid.components(), 0.0)
+    parts = _settle_corners(faces, slabs)
+    remainder = _less(solid, parts)
+    parts, remainder = _give_crumbs(parts, remainder, volume)
+    held = sum(part.solid.volume for part in parts)
+    return WallDecomposition(tuple(parts), tuple(remainder), min(held / volume, 1.0))
+
+
+def _less(solid: Solid, parts: list[WallPart]) -> list[Solid]:
+    """Components of the solid without the parts, rounding left out."""
+    if not parts:
+        return list(solid.components())
+    if len(parts) == 1 and parts[0].solid is solid:
+        return []
+    rest = subtract(solid, [part.solid for part in parts])
+    if rest.is_empty or rest.volume < EMPTY * solid.volume:
+        return []
+    return [piece for piece in rest.components() if piece.volume > EMPTY * solid.volume]
+
+
+# ---------------------------------------------------------------- slabs
+
+
+def _plane_slab(faces: Faces, wall: PlaneWall, walls: tuple[Wall, ...]) -> Solid | None:
+    """The solid between the wall's faces, limited to its own region and to the crossing walls it reaches into."""
+    solid = faces.solid
+    tolerance = faces.table.tolerance
+    slab = solid
+    along = solid.facets.vertices @ wall.normal
+    if along.min() < wall.bottom - tolerance:
+        slab = half_space_cut(slab, wall.normal, wall.bottom)
+    if along.max() > wall.top + tolerance:
+        slab = half_space_cut(slab, -wall.normal, -wall.top)
+    if slab is solid:
+        middle = slice_polygon(solid.facets, wall.normal, 0.5 * (wall.bottom + wall.top), wall.u, wall.v)
+        if wall.paired.area >= COVER * middle.area:
+            return solid
+    else:
+        middle = slice_polygon(slab.facets, wall.normal, 0.5 * (wall.bottom + wall.top), wall.u, wall.v)
+    if wall.paired.intersection(middle).area < COVER * wall.area:
+        return None
+    filled = shapely.union_all([Polygon(part.exterior) for part in parts_of(wall.paired)])
+    own = _grown(filled, wall, walls)
+    loose = own.buffer(10.0 * tolerance)
+    inside = shapely.union_all([part for part in parts_of(loose.intersection(middle)) if part.intersects(wall.paired)])
+    if inside.area >= middle.area * (1.0 - 1e-9):
+        return slab
+    if parts_apart(middle, loose):
+        return _touching(slab, wall)
+    frame = PlaneFrame(wall.u, wall.v, wall.normal)
+    reach = wall.thickness
+    outline = shapely.union_all([Polygon(part.exterior) for part in parts_of(own)])
+    cutter = prism(faces.table, outline, frame, wall.bottom - reach, wall.top + reach)
+    return _touching(intersect([slab, cutter]), wall)
+
+
+def parts_apart(middle: Region, own: Region) -> bool:
+    """Whether every connected part of the mid-section lies either wholly inside `own` or wholly outside it."""
+    for part in parts_of(middle):
+        inside = part.intersection(own).area
+        if 1e-9 * part.area < inside < (1.0 - 1e-9) * part.area:
+            return False
+    return True
+
+
+def _touching(slab: Solid, wall: PlaneWall) -> Solid | None:
+    """The components of a slab that lie over the paired region."""
+    if slab.is_empty:
+        return None
+    components = slab.components()
+    kept = []
+    for component in components:
+        middle = slice_polygon(component.facets, wall.normal, 0.5 * (wall.bottom + wall.top), wall.u, wall.v)
+        if middle.intersection(wall.paired).area > 1e-6 * middle.area > 0.0:
+            kept.append(component)
+    if not kept:
+        return None
+    return slab if len(kept) == len(components) else unite(kept)
+
+
+def _grown(filled: Region, wall: PlaneWall, walls: tuple[Wall, ...]) -> Region:
+    """The region, grown inside the slabs of walls that cross it."""
+    crossing = [other for other in walls if other is not wall and not _is_parallel(wall, other)]
+    if not crossing:
+        return filled
+    growth = GROWTH * max(other.thickness for other in crossing)
+    wide = filled.buffer(growth, join_style="mitre")
+    left, low, right, high = wide.bounds
+    reach = (right - left) + (high - low)
+    centre = np.array([0.5 * (left + right), 0.5 * (low + high)])
+    strips = [strip for other in crossing if (strip := _trace(wall, other, centre, reach)) is not None]
+    return shapely.union_all([filled, wide.intersection(shapely.union_all(strips))])
+
+
+def _is_parallel(wall: PlaneWall, other: Wall) -> bool:
+    return isinstance(other, PlaneWall) and abs(float(other.normal @ wall.normal)) > 1.0 - 1e-9
+
+
+def _trace(wall: PlaneWall, other: Wall, centre: np.ndarray, reach: float) -> Region | None:
+    """Where the other wall's slab passes between the faces of this one, in this one's coordinates.
+
+    None where it does not come within `reach` of the centre.
+    """
+    if isinstance(other, TubeWall):
+        along = abs(float(other.axis.direction @ wall.normal))
+        if along < 1.0 - 1e-9:
+            return shapely.box(centre[0] - reach, centre[1] - reach, centre[0] + reach, centre[1] + reach)
+        middle = shapely.Point(float(other.axis.point @ wall.u), float(other.axis.point @ wall.v))
+        ring = middle.buffer(other.outer_radius * 1.001, quad_segs=64)
+        return ring.difference(middle.buffer(other.inner_radius * 0.999, quad_segs=64))
+    slope = np.array([other.normal @ wall.u, other.normal @ wall.v])
+    sine = float(np.linalg.norm(slope))
+    tilt = float(other.normal @ wall.normal)
+    ends = [tilt * wall.bottom, tilt * wall.top]
+    low, high = (other.bottom - max(ends)) / sine, (other.top - min(ends)) / sine
+    across = slope / sine
+    along_strip = np.array([-across[1], across[0]])
+    at = float(centre @ across)
+    if low > at + reach or high < at - reach:
+        return None
+    start = centre - across * at
+    corners = [
+        start + across * low - along_strip * reach,
+        start + across * high - along_strip * reach,
+        start + across * high + along_strip * reach,
+        start + across * low + along_strip * reach,
+    ]
+    return Polygon(corners)
+
+
+def _tube_slab(faces: Faces, wall: TubeWall, walls: tuple[Wall, ...]) -> Solid | None:
+    """The solid between the wall's cylinders, over its own stretch of the axis and the walls that cross its ends."""
+    solid = faces.solid
+    arm = solid.facets.vertices - wall.axis.point
+    along = arm @ wall.axis.direction
+    radius = np.hypot(arm @ wall.axis.x, arm @ wall.axis.y)
+    crossing = [other.thickness for other in walls if other is not wall]
+    growth = GROWTH * max(crossing, default=0.0)
+    _, low, _, high = wall.paired.bounds
+    low, high = max(float(along.min()), low - growth), min(float(along.max()), high + growth)
+    tolerance = 10.0 * faces.table.tolerance
+    fills = (
+        radius.min() > wall.inner_radius - tolerance
+        and radius.max() < wall.outer_radius + tolerance
+        and along.min() > low - tolerance
+        and along.max() < high + tolerance
+    )
+    if fills:
+        return solid
+    cutter = tube(faces.table, wall.axis_id, wall.inner_radius, wall.outer_radius, low, high)
+    slab = intersect([solid, cutter])
+    if slab.is_empty:
+        return None
+    kept = [piece for piece in slab.components() if _holds_face(piece, wall)]
+    if not kept:
+        return None
+    return slab if len(kept) == len(slab.components()) else unite(kept)
+
+
+def _holds_face(piece: Solid, wall: TubeWall) -> bool:
+    """Whether the piece has some of both of the wall's faces, from the solid itself and not from the cutter."""
+    facets = piece.facets
+    own = facets.source >= 0
+    return all(bool((own & (facets.surface == surface)).any()) for surface in wall.surface_ids)
+
+
+# ---------------------------------------------------------------- corners
+
+
+def _settle_corners(faces: Faces, slabs: list[tuple[Wall, Solid]]) -> list[WallPart]:
+    """The slabs made disjoint: pairs first, and where three met, in the order of their areas."""
+    volume = faces.solid.volume
+    losses: list[list[Solid]] = [[] for _ in slabs]
+    rank = _ranks(slabs, faces.table.size)
+    for i, j in _overlapping_boxes([slab for _, slab in slabs]):
+        corner = intersect([slabs[i][1], slabs[j][1]])
+        if corner.is_empty or corner.volume < 1e-12 * volume:
+            continue
+        free_i, free_j = _free_share(corner, slabs[i][0], faces), _free_share(corner, slabs[j][0], faces)
+        if abs(free_i - free_j) > FREE_MARGIN:
+            winner = i if free_i > free_j else j
+        else:
+            winner = i if rank[i] < rank[j] else j
+        losses[j if winner == i else i].append(corner)
+    parts: list[tuple[int, WallPart]] = []
+    for index, (wall, slab) in enumerate(slabs):
+        for whole in slab.components():
+            own = subtract(whole, losses[index]) if losses[index] else whole
+            if not own.is_empty and own.volume > EMPTY * volume:
+                parts.append((index, WallPart(wall, own)))
+    parts.sort(key=lambda item: rank[item[0]])
+    return _without_triples([part for _, part in parts], losses, volume)
+
+
+def _without_triples(parts: list[WallPart], losses: list[list[Solid]], volume: float) -> list[WallPart]:
+    """Parts that still overlap (three walls in one corner, each winning one pair) taken in order."""
+    if sum(1 for lost in losses if lost) < 2:
+        return parts
+    for i, j in _overlapping_boxes([part.solid for part in parts]):
+        later, earlier = max(i, j), min(i, j)
+        common = intersect([parts[later].solid, parts[earlier].solid])
+        if common.is_empty or common.volume < 1e-12 * volume:
+            continue
+        parts[later] = replace(parts[later], solid=subtract(parts[later].solid, [parts[earlier].solid]))
+    return [part for part in parts if not part.solid.is_empty and part.solid.volume > EMPTY * volume]
+
+
+def _ranks(slabs: list[tuple[Wall, Solid]], size: float) -> list[int]:
+    """Position of each slab among all: larger paired region, then thinner, then by where it lies."""
+    keys = []
+    for wall, slab in slabs:
+        centre = np.round(slab.bounds.mean(axis=0) / size, 6) + 0.0
+        keys.append((-round(wall.area / size**2, 6), round(wall.thickness / size, 9), *map(float, centre)))
+    order = sorted(range(len(slabs)), key=lambda index: keys[index])
+    rank = [0] * len(slabs)
+    for position, index in enumerate(order):
+        rank[index] = position
+    return rank
+
+
+def _overlapping_boxes(solids: list[Solid]) -> list[tuple[int, int]]:
+    """Pairs i < j whose boxes overlap in all three axes; by an index, not pair by pair."""
+    if len(solids) < 2:
+        return []
+    boxes = np.array([solid.bounds for solid in solids])
+    flat = shapely.box(boxes[:, 0, 0], boxes[:, 0, 1], boxes[:, 1, 0], boxes[:, 1, 1])
+    left, right = STRtree(flat).query(flat)
+    overlap = np.all(np.minimum(boxes[left, 1], boxes[right, 1]) > np.maximum(boxes[left, 0], boxes[right, 0]), axis=1)
+    pairs = np.stack([left, right], axis=1)[overlap & (left < right)]
+    return sorted((int(i), int(j)) for i, j in pairs)
+
+
+def _free_share(corner: Solid, wall: Wall, faces: Faces) -> float:
+    """Share of the wall's two faces, inside the corner, that is free boundary of the whole solid (0 to 2)."""
+    facets = corner.facets
+    if isinstance(wall, PlaneWall):
+        lift = facets.normals @ wall.normal
+        foot = float((facets.areas * lift)[lift > 0.0].sum())
+    else:
+        arm = facets.centroids - wall.axis.point
+        arm -= np.outer(arm @ wall.axis.direction, wall.axis.direction)
+        arm /= np.maximum(np.linalg.norm(arm, axis=1), 1e-300)[:, None]
+        lift = np.einsum("ij,ij->i", arm, facets.normals)
+        foot = float(facets.areas[lift > 0.9].sum())
+    on_wall = np.isin(facets.surface, wall.surface_ids) & (np.abs(lift) > 0.5) & (facets.source >= 0)
+    return float(facets.areas[on_wall].sum()) / foot if foot > 0.0 else 0.0
+
+
+# ---------------------------------------------------------------- crumbs
+
+
+def _give_crumbs(parts: list[WallPart], remainder: list[Solid], volume: float) -> tuple[list[WallPart], list[Solid]]:
+    """Crumbs of the remainder handed to the parts they share most area with; what is no crumb stays."""
+    if not remainder or not parts:
+        return parts, remainder
+    thickest = max(part.wall.thickness for part in parts)
+    kept: list[Solid] = []
+    for piece in sorted(remainder, key=lambda piece: -piece.volume):
+        share = piece.volume / volume
+        if share > CRUMB_LIMIT or (share > CRUMB_SHARE and piece.volume > CRUMB_SIZE * thickest**3):
+            kept.append(piece)
+            continue
+        host = most_shared([part.solid for part in parts], piece)
+        if host is None:
+            kept.append(piece)
+        else:
+            parts[host] = replace(parts[host], solid=unite([parts[host].solid, piece]))
+    return parts, kept
+
+
+def most_shared(solids: list[Solid], piece: Solid) -> int | None:
+    """Index of the solid that shares most surface with `piece`; None where none touches it."""
+    best, most = None, 0.0
+    slack = 1e-6 * piece.size + piece.surfaces.tolerance
+    for index, solid in enumerate(solids):
+        if np.any(solid.bounds[0] > piece.bounds[1] + slack) or np.any(piece.bounds[0] > solid.bounds[1] + slack):
+            continue
+        shared = solid.area + piece.area - unite([solid, piece]).area
+        if shared > max(most, 1e-9 * piece.area):
+            best, most = index, shared
+    return best
