@@ -106,16 +106,22 @@ def _add_service(application: FastAPI) -> None:
 
 
 def _document_problems(application: FastAPI) -> None:
-    """Put Problem's schema where the operations' problem responses refer to it, in place of FastAPI's own 422."""
+    """Put Problem's schema where the operations' responses refer to it, and in place of FastAPI's own 422."""
     own = application.openapi
 
     def openapi() -> dict[str, Any]:
         document = own()
         schemas = document.setdefault("components", {}).setdefault("schemas", {})
-        if "Problem" not in schemas:
-            schema = Problem.model_json_schema(ref_template="#/components/schemas/{model}")
-            schemas.update(schema.pop("$defs", {}))
-            schemas["Problem"] = schema
+        if "HTTPValidationError" not in schemas:
+            return document
+        schema = Problem.model_json_schema(ref_template="#/components/schemas/{model}")
+        schemas.update({**schema.pop("$defs", {}), "Problem": schema})
+        for name in ("HTTPValidationError", "ValidationError"):
+            schemas.pop(name, None)
+        for operations in document["paths"].values():
+            for operation in operations.values():
+                if "422" in operation["responses"]:
+                    operation["responses"]["422"] = problems.problem_responses(422)[422]
         return document
 
     application.openapi = openapi  # type: ignore[method-assign]
