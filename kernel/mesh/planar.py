@@ -11,6 +11,10 @@ def mesh_region(region: Region, size: float, faces: str = "quad") -> RegionMesh:
     faces: "quad" or "tri". The first n_point nodes of the result are the region's points; every edge of the region is
     an edge of the mesh. MeshError, with the place, where the region cannot be meshed.
     """
+    if region.period is not None:
+        from kernel.mesh.unrolled import periodic_mesh
+
+        return periodic_mesh(region, size, faces)
     if faces == "tri":
         from kernel.mesh.triangles import triangle_mesh
 

@@ -43,17 +43,28 @@ def _dominant_cross(points: NDArray[np.float64], start: NDArray[np.int32], end: 
     return math.cos(angle), math.sin(angle), float(weight.max() / length.sum())
 
 
-def quad_mesh(region: Region, size: float) -> RegionMesh:
-    """All quads; the region's edges kept. MeshError where edges cross or a chain has an odd number of edges."""
-    points = np.ascontiguousarray(region.points, dtype=np.float64)
-    n_point = len(points)
-    start, end, kind = edge_arrays(region)
-    coarse, odd = pair_edges(points, start, end, kind)
+def coarse_edges(points: NDArray[np.float64], start: NDArray[np.int32], end: NDArray[np.int32],
+                 kind: NDArray[np.uint8], is_vertex: NDArray[np.bool_] | None) -> NDArray[np.int32]:  # fmt: skip
+    """The edges in pairs (see numeric.coarsen), MeshError where a chain has an odd number of edges."""
+    given = np.zeros(len(points), np.uint8) if is_vertex is None else is_vertex.astype(np.uint8)
+    coarse, odd = pair_edges(points, start, end, kind, given)
     if odd >= 0:
         x, y = points[start[odd]]
         raise MeshError(
             f"the curve through ({x:.6g}, {y:.6g}) is divided into an odd number of edges; all quads need an even one"
         )
+    return coarse
+
+
+def quad_mesh(region: Region, size: float, is_vertex: NDArray[np.bool_] | None = None) -> RegionMesh:
+    """All quads; the region's edges kept. MeshError where edges cross or a chain has an odd number of edges.
+
+    is_vertex: (n_point,) points that stay nodes of the coarse mesh, beside those where curves meet.
+    """
+    points = np.ascontiguousarray(region.points, dtype=np.float64)
+    n_point = len(points)
+    start, end, kind = edge_arrays(region)
+    coarse = coarse_edges(points, start, end, kind, is_vertex)
     is_kept = np.ones(n_point, np.bool_)
     is_kept[coarse[:, 2]] = False
     kept = np.flatnonzero(is_kept).astype(np.int32)
@@ -84,7 +95,10 @@ def quad_mesh(region: Region, size: float) -> RegionMesh:
     grown = np.arange(n_point, n_point + len(nodes) - n_coarse_point, dtype=np.int32)
     node_of = np.concatenate([kept, grown])
     nodes, quads = midpoint_split(nodes, points, node_of, corner, twin, mate, middle_of, n_triangle)
-    is_fixed = np.zeros(len(nodes), np.uint8)
-    is_fixed[:n_point] = 1
-    smooth_quads(nodes, quads, is_fixed, 6, 4, 0.97, 0.8, 0.85, 2)
+    smooth(nodes, quads, np.arange(len(nodes)) < n_point)
     return compact(nodes, n_point, quads, np.empty((0, 3), np.int64))
+
+
+def smooth(nodes: NDArray[np.float64], quads: NDArray[np.integer], is_fixed: NDArray[np.bool_]) -> None:
+    """Smooth the free nodes, in place."""
+    smooth_quads(nodes, np.ascontiguousarray(quads, np.int32), is_fixed.astype(np.uint8), 6, 4, 0.97, 0.8, 0.85, 2)

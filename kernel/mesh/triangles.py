@@ -1,4 +1,4 @@
-"""Triangles on a planar region: an equilateral lattice fitted to the boundary, refined and smoothed where it meets it."""
+"""Triangles on a planar region: an equilateral lattice, refined and smoothed where it meets the boundary."""
 
 from __future__ import annotations
 
@@ -87,7 +87,9 @@ def triangle_mesh(region: Region, size: float) -> RegionMesh:
     return compact(nodes[:n_node], n_point, np.empty((0, 4), np.int64), corner[: 3 * n_triangle].reshape(-1, 3))
 
 
-def compact(nodes: NDArray[np.float64], n_point: int, quads: NDArray[np.integer], triangles: NDArray[np.integer]) -> RegionMesh:  # fmt: skip
+def compact(
+    nodes: NDArray[np.float64], n_point: int, quads: NDArray[np.integer], triangles: NDArray[np.integer]
+) -> RegionMesh:
     """The mesh without the nodes that no element uses; the region's own n_point stay whatever uses them."""
     is_used = np.zeros(len(nodes), np.bool_)
     is_used[:n_point] = True

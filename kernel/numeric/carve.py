@@ -13,7 +13,7 @@ def carve(corner, twin, lock, leaving, n_triangle, start, end, kind, n_node):
     """Drop the outside in place, renumber what stays; returns the number of triangles inside.
 
     start, end, kind: (n_edge,) constraints, BOUNDARY ones with the region on their left. Nodes from n_node on are
-    the frame's. Afterwards leaving[node] of a hull node is the hull's half-edge.
+    the frame's. Where no edge is a BOUNDARY only the frame's own triangles go. Afterwards leaving[node] of a hull node is the hull's half-edge.
     """
     is_outside = np.zeros(n_triangle, np.uint8)
     stack = np.empty(n_triangle, np.int32)
@@ -23,15 +23,17 @@ def carve(corner, twin, lock, leaving, n_triangle, start, end, kind, n_node):
             is_outside[t] = 1
             stack[n] = t
             n += 1
+    is_bounded = False
     for i in range(len(start)):
         if kind[i] != BOUNDARY:
             continue
+        is_bounded = True
         e = np.int64(find_edge(corner, twin, leaving, np.int64(end[i]), np.int64(start[i])))
         if e >= 0 and is_outside[e // 3] == 0:
             is_outside[e // 3] = 1
             stack[n] = e // 3
             n += 1
-    while n > 0:
+    while n > 0 and is_bounded:
         n -= 1
         t = stack[n]
         for k in range(3):

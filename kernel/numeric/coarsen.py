@@ -1,8 +1,8 @@
 """The region's edges in pairs, for a coarse mesh of twice the size whose elements are then split in four.
 
     o---x---o---x---o      o coarse node, x the middle of a coarse edge. Chains run between vertices: points where
-                           other than two edges meet, or where boundary turns into imprint. A ring without a vertex
-                           starts so that its middles lie where it turns least.
+                           other than two edges meet, where boundary turns into imprint, or given ones. A ring
+                           without a vertex starts so that its middles lie where it turns least.
 A chain of an odd number of edges cannot be paired: no all-quad mesh has it on its boundary by this way.
 """
 
@@ -26,10 +26,11 @@ def _turn(points, a, b, c):
 
 
 @compiled
-def pair_edges(points, start, end, kind):
+def pair_edges(points, start, end, kind, is_given_vertex):
     """Coarse start, end, middle, first and second fine edge: (n_coarse, 5) int32, and an edge of an odd chain, or -1.
 
-    Coarse edges run as their fine edges do (boundaries with the region on their left).
+    Coarse edges run as their fine edges do (boundaries with the region on their left). is_given_vertex: (n_point,)
+    uint8, points that stay coarse nodes whatever meets there.
     """
     n_point = len(points)
     n_edge = len(start)
@@ -45,7 +46,7 @@ def pair_edges(points, start, end, kind):
         for v in (start[i], end[i]):
             around[fill[v]] = i
             fill[v] += 1
-    is_vertex = np.zeros(n_point, np.uint8)
+    is_vertex = is_given_vertex.copy()
     for v in range(n_point):
         n = offset[v + 1] - offset[v]
         if n != 2 or kind[around[offset[v]]] != kind[around[offset[v] + 1]]:

@@ -1,12 +1,12 @@
-"""Recovery of constraint edges in a Delaunay triangulation by flipping what crosses them.
+r"""Recovery of constraint edges in a Delaunay triangulation by flipping what crosses them.
 
 Sloan 1993, A fast algorithm for generating constrained Delaunay triangulations: the edges that cross a-b wait in a
 queue; one whose two triangles form a convex quadrilateral is flipped, any other waits again.
 
             c
-          / | \\
+          / | \
         a --+-- b      the edge c-d crosses a-b: flipped if a, d, b, c is convex
-          \\ | /
+          \ | /
             d
 Degenerate cases: a node on the constraint divides it, both parts are recovered; a crossing constraint fails.
 """
@@ -96,7 +96,7 @@ def recover_edge(x, y, corner, twin, lock, leaving, a, b, kind, queue_a, queue_b
                 flip(corner, twin, lock, leaving, e)
                 u = c
                 v = d
-                touches = u == a or u == target or v == a or v == target
+                touches = u in (a, target) or v in (a, target)
                 if touches or float(orient(x, y, a, target, u)) * float(orient(x, y, a, target, v)) >= 0:
                     continue
             queue_a[tail] = u

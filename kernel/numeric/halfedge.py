@@ -33,15 +33,15 @@ def preceding(e):
 
 @compiled
 def flip(corner, twin, lock, leaving, e):
-    """Turn the edge shared by two triangles.
+    r"""Turn the edge shared by two triangles.
 
-            c                   c
-          / | \\               / \\
-         /  |  \\             /   \\        e ran from a to b with c on its left;
-        b   |e  a    ->      b-----a        afterwards e runs from d to c.
-         \\  |  /             \\   /
-          \\ | /               \\ /
-            d                   d           (seen with e upright; a, b, c, d as named in the code)
+    e runs from a to b with c on its left; afterwards from d to c with a on its left.
+
+      b                b
+    / ^ \            /   \
+   c  |e d    ->    c <-e- d
+    \ | /            \   /
+      a                a
     """
     f = twin[e]
     e_next = following(e)

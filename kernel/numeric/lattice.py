@@ -1,9 +1,9 @@
-"""Inner nodes for triangles: one apex over each edge, then a hexagonal lattice wherever there is room.
+r"""Inner nodes for triangles: one apex over each edge, then a hexagonal lattice wherever there is room.
 
         *     *     *        the lattice's rows run along the dominant direction of the boundary, and its
            *     *           first row is the apex row of the longest straight side, so that a plate's bulk
         *     *     *        is all equilateral triangles.
-       /\\    /\\             apexes: height sqrt(3)/2 of their edge
+       /\    /\             apexes: height sqrt(3)/2 of their edge
     --o----o----o--
 
 Degenerate cases: a boundary edge along a row (half-open crossings: each row-edge crossing counted once); an edge

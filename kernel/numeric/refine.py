@@ -1,4 +1,4 @@
-"""Refinement of a constrained Delaunay triangulation by off-centres, no constraint ever divided.
+r"""Refinement of a constrained Delaunay triangulation by off-centres, no constraint ever divided.
 
 A triangle whose circumradius is too long, against its shortest edge or against the size wanted there, gets a new
 node: not its circumcentre but a point nearer to the shortest edge (Ungor 2004, Off-centers: a new type of Steiner
@@ -7,7 +7,7 @@ points), so that the new triangle on that edge is just good enough and the mesh 
               * circumcentre
               |
               x off-centre: at .87 to 1.4 shortest edges
-             / \\
+             / \
             o---o shortest edge
 
 A node that would lie too near a constraint or another node is not made; no constraint is split for its sake.

@@ -1,9 +1,9 @@
-"""Midpoint split: a coarse quad becomes four quads, a coarse triangle three.
+r"""Midpoint split: a coarse quad becomes four quads, a coarse triangle three.
 
     d---s---c         c
-    |   |   |        / \\
+    |   |   |        / \
     t---m---r       t   s
-    |   |   |      / \\ / \\
+    |   |   |      / \ / \
     a---q---b     a---m---b     (m also joins the middle of a-b)
 
 The middle of a region's edge is the region's own node between its ends, so arcs stay exact.

@@ -1,12 +1,12 @@
-"""Changes of a triangulation's connectivity: nodes of three or four triangles removed, valences evened, corners kept.
+r"""Changes of connectivity: nodes of three or four triangles removed, valences evened, sharp corners kept.
 
 A free inner node of valence 3 is taken out by merging its triangles; one of valence 4 after a flip:
 
          c                  c
-        /|\\                / \\
-       / v \\      ->       /   \\
+        /|\                / \
+       / v \      ->       /   \
       a--|--b             a-----b
-       \\ | /               \\   /
+       \ | /               \   /
          d                   d
 """
 
