@@ -1,0 +1,45 @@
+"""Bounds on a tree, whichever language it came from."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+from kernel.csg.source import MAX_NODES, MAX_TREE_DEPTH
+from kernel.csg.tree import CsgNode, Hull
+from kernel.errors import Place, ReadError
+
+
+def check_tree(root: CsgNode) -> None:
+    """ReadError where Booleans (and hulls) nest deeper than MAX_TREE_DEPTH, or there are more than MAX_NODES nodes."""
+    stack = [(root, 0)]
+    n_node = 0
+    while stack:
+        node, depth = stack.pop()
+        n_node += 1
+        if depth > MAX_TREE_DEPTH:
+            raise ReadError(
+                f"Booleans nested too deeply, expected at most {MAX_TREE_DEPTH} inside each other", place=node.place
+            )
+        if n_node > MAX_NODES:
+            raise ReadError(f"too many nodes in the tree, expected at most {MAX_NODES}", place=node.place)
+        below = node.members if isinstance(node, Hull) else node.operands
+        stack.extend((child, depth + 1) for child in below)
+
+
+_MATERIAL_RANGES: dict[str, tuple[float, float, str]] = {
+    "E": (0.0, math.inf, "a number over 0"),
+    "NU": (-1.0, 0.5, "a number over -1 and under 0.5"),
+    "RHO": (0.0, math.inf, "a number over 0"),
+}
+"""Elastic modulus, Poisson's ratio, density, in the model's own unit set: what lies strictly between is possible."""
+
+
+def check_material(properties: Mapping[str, float], place: Place | None) -> None:
+    """ReadError: a key that is not E, NU or RHO, or a value that no isotropic elastic material can have."""
+    for key, value in properties.items():
+        if key not in _MATERIAL_RANGES:
+            raise ReadError(f"a material has no property {key!r}, expected E, NU or RHO", place=place)
+        low, high, expected = _MATERIAL_RANGES[key]
+        if not low < value < high:
+            raise ReadError(f"a material's {key} is {value:g}, expected {expected}", place=place)
