@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
@@ -54,9 +55,9 @@ def ordered_loops(loops: Sequence[Matrix]) -> tuple[Matrix, ...]:
     polygons = sorted(getattr(merged, "geoms", [merged]), key=lambda polygon: polygon.bounds)
     result: list[Matrix] = []
     for polygon in polygons:
-        result += _wound(np.array(polygon.exterior.coords)[:-1], counter_clockwise=True)
-        for hole in polygon.interiors:
-            result += _wound(np.array(hole.coords)[:-1], counter_clockwise=False)
+        result += _wound(_from_lowest(polygon.exterior), counter_clockwise=True)
+        for hole in sorted(polygon.interiors, key=lambda ring: ring.bounds):
+            result += _wound(_from_lowest(hole), counter_clockwise=False)
     return tuple(result)
 
 
@@ -70,6 +71,12 @@ def _wound(loop: Matrix, *, counter_clockwise: bool) -> tuple[Matrix, ...]:
     if area == 0.0:
         return ()
     return (frozen_array(loop if (area > 0) == counter_clockwise else loop[::-1]),)
+
+
+def _from_lowest(ring: Any) -> Matrix:
+    """The corners of a shapely ring, from the one with the least (x, y): the same whatever the input began with."""
+    corners = np.array(ring.coords)[:-1]
+    return np.roll(corners, -int(np.lexsort((corners[:, 1], corners[:, 0]))[0]), axis=0)
 
 
 def _crossings(point: Matrix, rings: list[tuple[Matrix, Matrix]]) -> int:

@@ -84,6 +84,18 @@ def mended(matrix: Sequence[Sequence[float]]) -> Matrix:
     return result
 
 
+def mended_rigid(matrix: Matrix) -> Matrix:
+    """`matrix` (4, 4) made exactly rigid where it is so within RIGID_TOLERANCE and not exactly; else unchanged."""
+    linear = matrix[:3, :3]
+    off = np.abs(linear.T @ linear - _I3).max()
+    if not EXACT_TOLERANCE < off <= RIGID_TOLERANCE:
+        return matrix
+    left, _, right = np.linalg.svd(linear)
+    result = matrix.copy()
+    result[:3, :3] = left @ right
+    return result
+
+
 @lru_cache(maxsize=4096)
 def _mended_linear(entries: tuple[float, ...]) -> Matrix:
     """(3, 3) whose nine entries are given; unchanged where it is neither R diag(s) nor diag(s) R."""
