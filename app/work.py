@@ -65,22 +65,26 @@ def find_task(payload: Payload, _artifacts: Artifacts, _progress: Progress) -> s
 
 def solid_task(payload: Payload, artifacts: Artifacts, _progress: Progress) -> str:
     """The solid as GLB; gives its artifact."""
-    from app.solidfile import solid_file
+    from app.report.gltf import glb
+    from app.report.scenes import solid_body
     from kernel.solid.evaluate import evaluate
 
-    return artifacts.put(solid_file(evaluate(_csg(payload)), "glb"))
+    return artifacts.put(glb([solid_body(evaluate(_csg(payload)))]))
 
 
 def classify_task(payload: Payload, artifacts: Artifacts, progress: Progress) -> dict[str, Any]:
-    """What `classify --json` gives, and the explanation of every decision; both as artifacts."""
+    """What `classify --json` gives, the explanation of every decision, and the segments as GLB; all as artifacts."""
     from app import texts
     from app.answers import classification
+    from app.report.gltf import glb
+    from app.report.scenes import segment_bodies
 
     classified = _classified(payload, progress)
     explained = texts.as_json(texts.explanation(classified, None))
     return {
         "answer": artifacts.put(classification(classified).model_dump_json().encode()),
         "explanation": artifacts.put(explained.encode()),
+        "picture": artifacts.put(glb(segment_bodies(classified.evaluated, classified.partition.segments))),
     }
 
 
@@ -112,10 +116,11 @@ def deck_task(payload: Payload, artifacts: Artifacts, _progress: Progress) -> st
 
 def mesh_glb_task(payload: Payload, artifacts: Artifacts, _progress: Progress) -> str:
     """A kept mesh as GLB, a node of the scene for each segment; gives its artifact."""
-    from app.report.scenes import mesh_glb
+    from app.report.gltf import glb
+    from app.report.scenes import mesh_bodies
 
     model = pickle.loads(artifacts.get(payload["content"]))["model"]
-    return artifacts.put(mesh_glb(model))
+    return artifacts.put(glb(mesh_bodies(model)))
 
 
 TASKS: dict[str, Callable[[Payload, Artifacts, Progress], Any]] = {

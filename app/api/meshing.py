@@ -17,7 +17,7 @@ from app.api.problems import documented, problem_responses
 from app.failure import problem
 from app.schemas import MeshAnswer, Problem, Schema
 from app.store import FINISHED, JobRow
-from kernel.deck.deck import format_for
+from kernel.deck.deck import format_for, formats
 from kernel.mesh.options import MeshOptions
 from kernel.units import unit_set
 
@@ -242,6 +242,12 @@ def get_mesh_glb(mesh_id: str, context: Ctx) -> Response:
     """The mesh as binary glTF: for each segment its faces (by name `s1`) and its element edges (`s1 edges`)."""
     digest = context.ask("mesh_glb", {"content": context.mesh(mesh_id).content})
     return Response(context.artifacts.get(digest), media_type="model/gltf-binary")
+
+
+@router.get("/formats", responses=documented([{"name": "nastran", "title": "NASTRAN bulk data", "endings": [".bdf"]}]))
+def list_formats() -> list[dict[str, Any]]:
+    """The formats that a deck can have."""
+    return [{"name": f.name, "title": f.title, "endings": list(f.endings)} for f in formats()]
 
 
 def job_resource(job: JobRow) -> JobResource:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from typing import Annotated, Any, Literal
 
-from fastapi import APIRouter, Body, HTTPException, Query
+from fastapi import APIRouter, Body, HTTPException, Query, Response
 from pydantic import Field
 
 from app.api.context import Context, Ctx
@@ -98,6 +98,17 @@ def get_explanation(model_id: str, context: Ctx, rulebase: RulebaseQuery = None)
     digests = _classify(context, context.model(model_id), rulebase, None)
     explained: dict[str, Any] = json.loads(context.artifacts.get(digests["explanation"]))
     return explained
+
+
+@router.get(
+    "/segments.glb",
+    response_class=Response,
+    responses=documented(None, 404, 409, 422, media_type="model/gltf-binary"),
+)
+def get_segments_glb(model_id: str, context: Ctx, rulebase: RulebaseQuery = None) -> Response:
+    """The segments' solids as binary glTF: for each its faces (named `s1`) and its edges (`s1 edges`)."""
+    digests = _classify(context, context.model(model_id), rulebase, None)
+    return Response(context.artifacts.get(digests["picture"]), media_type="model/gltf-binary")
 
 
 @router.get(

@@ -80,28 +80,6 @@ def mesh_bodies(model: Model) -> list[Body]:
     return bodies
 
 
-def mesh_glb(model: Model) -> bytes:
-    """The mesh as binary glTF: a mesh node for each segment, and one of lines for its element edges."""
-    from trimesh import Scene, Trimesh
-    from trimesh.path.entities import Line
-    from trimesh.path.path import Path3D
-    from trimesh.visual import ColorVisuals
-
-    scene = Scene()
-    for body in mesh_bodies(model):
-        if len(body.triangles):
-            corners = body.triangles.reshape(-1, 3)
-            surface = Trimesh(corners, np.arange(len(corners)).reshape(-1, 3), process=False)
-            surface.visual = ColorVisuals(surface, face_colors=[*body.colour, 255])
-            scene.add_geometry(surface, node_name=body.name, geom_name=body.name)
-        if len(body.lines):
-            ends = body.lines.reshape(-1, 3)
-            entities = [Line(pair) for pair in np.arange(len(ends)).reshape(-1, 2)]
-            edges = Path3D(entities, ends, process=False)
-            scene.add_geometry(edges, node_name=f"{body.name} edges", geom_name=f"{body.name} edges")
-    return bytes(scene.export(file_type="glb"))
-
-
 def _facets_body(name: str, colour: tuple[int, int, int], facets: Facets, frame: NDArray[np.float64]) -> Body:
     points = facets.vertices @ frame.T
     return Body(name, colour, points[facets.triangles], points[_feature_edges(facets)])

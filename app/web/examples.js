@@ -1,0 +1,34 @@
+// Small models in csgmesh's own language, for a first look.
+export const EXAMPLES = {
+  "Table": ["table.csg", `UNITS MM
+TOP = BLO(X=1500, Y=800, Z=25) AT (MOVZ=735)
+LEG1 = BLO(X=50, Y=50, Z=735)
+LEG2 = BLO(X=50, Y=50, Z=735) AT (MOVX=1450)
+LEG3 = BLO(X=50, Y=50, Z=735) AT (MOVY=750)
+LEG4 = BLO(X=50, Y=50, Z=735) AT (MOVX=1450, MOVY=750)
+OUT TOP UN LEG1 UN LEG2 UN LEG3 UN LEG4
+`],
+  "Plate with holes": ["plate.csg", `UNITS MM
+PLATE = BLO(X=200, Y=100, Z=6)
+HOLES = CYL(R=10, H=20) AT (MOVX=40, MOVY=50, MOVZ=-5) UN CYL(R=20, H=20) AT (MOVX=100, MOVY=50, MOVZ=-5) UN CYL(R=10, H=20) AT (MOVX=160, MOVY=50, MOVZ=-5)
+OUT PLATE DIF HOLES
+`],
+  "I-beam": ["i_beam.csg", `UNITS MM
+LOWER = BLO(X=100, Y=2400, Z=8)
+WEB = BLO(X=6, Y=2400, Z=84) AT (MOVX=47, MOVZ=8)
+UPPER = BLO(X=100, Y=2400, Z=8) AT (MOVZ=92)
+OUT LOWER UN WEB UN UPPER
+`],
+  "Pipe with a hole": ["pipe.csg", `UNITS MM
+TUBE = CYL(R=50, H=300) DIF CYL(R=46, H=320) AT (MOVZ=-10)
+HOLE = CYL(R=15, H=80) AT (ROTY=90, MOVZ=150)
+OUT TUBE DIF HOLE
+`],
+  "Bracket": ["bracket.csg", `UNITS MM
+BASE = BLO(X=160, Y=100, Z=10)
+BACK = BLO(X=10, Y=100, Z=140)
+GUSSET = WED(X=80, Y=80, Z=8) AT (ROTX=90, MOVX=10, MOVY=54, MOVZ=10)
+HOLES = CYL(R=7, H=20) AT (MOVX=120, MOVY=20, MOVZ=-5) UN CYL(R=7, H=20) AT (MOVX=120, MOVY=80, MOVZ=-5)
+OUT (BASE UN BACK UN GUSSET) DIF HOLES
+`],
+};
