@@ -18,7 +18,8 @@ from kernel.errors import DefectError, GeometryError
 from kernel.solid.bounds import Box, box_of_tree, model_precision
 from kernel.solid.frame import PlacedLeaf, WorkingFrame, choose_frame
 from kernel.solid.hull import hull_manifold
-from kernel.solid.primitives import Setting, build
+from kernel.solid.primitives import build
+from kernel.solid.setting import Setting
 from kernel.solid.solid import Solid
 from kernel.solid.table import SurfaceTable
 from kernel.solid.tracked import NotSolidError, check_status

@@ -27,8 +27,7 @@ def flat_faces(
     surface = np.empty(len(triangles), np.int64)
     area = area_vectors(points, triangles)
     order = np.argsort(group, kind="stable")
-    starts = np.nonzero(np.diff(group[order], prepend=group[order][0] - 1))[0] if len(order) else []
-    for rows in np.split(order, starts[1:]) if len(order) else []:
+    for rows in np.split(order, np.nonzero(np.diff(group[order]))[0] + 1):
         normal = area[rows].sum(axis=0)
         if not float(normal @ normal) > 0.0:
             raise NotSolidError("one of its faces has no area")
@@ -39,10 +38,10 @@ def flat_faces(
 def polyhedron_mesh(
     points: NDArray[np.float64], faces: tuple[tuple[int, ...], ...], size: float
 ) -> tuple[NDArray[np.float64], NDArray[np.int64], NDArray[np.int64]]:
-    """(vertices, triangles, group): faces clockwise from outside become triangles counter-clockwise, repeated points one.
+    """(vertices, triangles, group): faces clockwise from outside become counter-clockwise triangles.
 
-    A face that is not flat is triangulated as a fan, each triangle a group of its own. A polyhedron that is inside out
-    as a whole is turned. NotSolidError: a face with less than three points, or the volume is 0.
+    Repeated points become one. A face that is not flat is triangulated as a fan, each triangle a group of its own.
+    A polyhedron that is inside out as a whole is turned. NotSolidError: a face without area, or the volume is 0.
     """
     if not np.isfinite(points).all():
         raise NotSolidError("a point is not finite")
@@ -52,7 +51,7 @@ def polyhedron_mesh(
     group: list[NDArray[np.int64]] = []
     count = 0
     for face in faces:
-        if face and not (0 <= min(face) and max(face) < len(points)):
+        if face and (min(face) < 0 or max(face) >= len(points)):
             raise NotSolidError(f"a face names point {max(face)}, expected 0 to {len(points) - 1}")
         corners = same[list(face)][::-1]
         corners = corners[corners != np.roll(corners, 1)]

@@ -19,8 +19,9 @@ from kernel.csg.tree import frozen_array
 from kernel.errors import DefectError
 from kernel.solid.facets import Facets, facets_of, solid_angle
 from kernel.solid.lathe import layer, turn, unit_circle
-from kernel.solid.primitives import BLOCK_TRIANGLES, lathe_surface
+from kernel.solid.round import lathe_surface
 from kernel.solid.slivers import sliver_volume
+from kernel.solid.square import BLOCK_TRIANGLES
 from kernel.solid.surfaces import Plane, Vector, plane_frame
 from kernel.solid.table import SurfaceTable
 from kernel.solid.tracked import NotSolidError, check_status, tracked_manifold

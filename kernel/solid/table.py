@@ -109,7 +109,7 @@ class SurfaceTable:
 
     def plane(self, normal: Vector, offset: float, through: NDArray[np.float64] | None = None) -> int:
         """Id of the plane normal . x = offset. through: points (n, 3) of it, which then say the offset."""
-        index, sign, at = self._plane_key(normal, offset, through)
+        index, at = self._plane_key(normal, offset, through)
         offsets, ids = self._planes.setdefault(index, ([], []))
         found = _nearest(offsets, at, self.tolerance)
         if found is not None:
@@ -123,19 +123,17 @@ class SurfaceTable:
 
     def find_plane(self, normal: Vector, offset: float) -> int | None:
         """Id of the plane normal . x = offset where the table has it; nothing is added."""
-        index, _, at = self._plane_key(normal, offset, None)
+        index, at = self._plane_key(normal, offset, None)
         offsets, ids = self._planes.get(index, ([], []))
         found = _nearest(offsets, at, self.tolerance)
         return None if found is None else ids[found]
 
-    def _plane_key(
-        self, normal: Vector, offset: float, through: NDArray[np.float64] | None
-    ) -> tuple[int, float, float]:
+    def _plane_key(self, normal: Vector, offset: float, through: NDArray[np.float64] | None) -> tuple[int, float]:
         length = math.sqrt(float(np.dot(normal, normal)))
         index, sign = self.direction(normal)
         if through is not None:
-            return index, sign, float(np.mean(through @ self._directions[index])) + 0.0
-        return index, sign, sign * float(offset) / length + 0.0
+            return index, float(np.mean(through @ self._directions[index])) + 0.0
+        return index, sign * float(offset) / length + 0.0
 
     # ---- axes and what turns about them
 
