@@ -136,8 +136,7 @@ def _chains(drafts: Sequence[Draft], touching: Touching) -> Iterator[Cluster]:
     beams = [index for index, draft in enumerate(drafts) if draft.type == "beam" and not draft.is_pinned]
     links: dict[int, list[int]] = {index: [] for index in beams}
     for index in beams:
-        sweep = drafts[index].prism.sweep  # type: ignore[union-attr]
-        for other in _next_on_line(index, sweep, drafts, touching):
+        for other in _next_on_line(index, drafts, touching):
             links[index].append(other)
             links[other].append(index)
     pending = set(beams)
@@ -155,22 +154,24 @@ def _chains(drafts: Sequence[Draft], touching: Touching) -> Iterator[Cluster]:
         yield from _united("chain", tuple(sorted(chain)), drafts)
 
 
-def _next_on_line(index: int, sweep: Sweep, drafts: Sequence[Draft], touching: Touching) -> list[int]:
+def _next_on_line(index: int, drafts: Sequence[Draft], touching: Touching) -> list[int]:
     """Beams that go on where this one ends (along its direction), alone at the joint."""
     draft = drafts[index]
+    assert draft.prism is not None
+    direction = draft.prism.sweep.direction
+    slack = 10.0 * draft.solid.surfaces.tolerance
     vertices = draft.solid.facets.vertices
-    at_end = vertices[vertices @ sweep.direction > sweep.end - 10.0 * draft.solid.surfaces.tolerance]
+    along = vertices @ direction
+    at_end = vertices[along > along.max() - slack]
     meeting = [other for other in touching.of(at_end.min(axis=0), at_end.max(axis=0)) if other != index]
     if len(meeting) != 1:
         return []
     other = drafts[meeting[0]]
-    if other.type != "beam" or other.is_pinned or other.prism is None or draft.prism is None:
+    if other.type != "beam" or other.is_pinned or other.prism is None:
         return []
-    grid = 10.0 * draft.solid.surfaces.tolerance
-    if (
-        np.abs(other.prism.sweep.direction - sweep.direction).max() > 1e-5
-        or abs(other.prism.sweep.start - sweep.end) > grid
-    ):
+    if np.abs(other.prism.sweep.direction - direction).max() > 1e-5:
+        return []
+    if abs(float((other.solid.facets.vertices @ direction).min()) - float(along.max())) > slack:
         return []
     difference = other.prism.section.symmetric_difference(draft.prism.section).area
     return meeting if difference < 1e-5 * draft.prism.area else []

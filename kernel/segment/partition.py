@@ -180,7 +180,7 @@ class _Walk:
         solids = [(operand, solid_of(self.evaluated, operand)) for operand in operands]
         solids = [(operand, solid) for operand, solid in solids if not solid.is_empty]
         beside = _touching_boxes([solid for _, solid in solids])
-        return [
+        pieces = [
             Piece(
                 solid=solid,
                 path=operand.path,
@@ -189,10 +189,12 @@ class _Walk:
                 depth=operand.depth,
                 name=operand.node.name,
                 operand=operand,
-                neighbours=(*piece.neighbours, *(solids[other][1] for other in beside[index])),
             )
-            for index, (operand, solid) in enumerate(solids)
+            for operand, solid in solids
         ]
+        for index, child in enumerate(pieces):
+            child.neighbours = (*piece.neighbours, *(pieces[other] for other in beside[index]))
+        return pieces
 
     def _cut(self, piece: Piece) -> Outcome:
         """The piece cut at its smallest neck and its parts decided, done once; no drafts where there is no neck."""

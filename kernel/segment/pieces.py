@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 class Piece:
     """solid: in the working frame. path: the CSG node that its segments will name; label: the path, with "#n" behind
     it for the n-th piece of a node that was divided. operand: None where the solid has no tree of its own.
-    neighbours: solids beside it that may touch it.
+    neighbours: pieces beside it that may touch it.
     """
 
     solid: Solid
@@ -30,7 +30,7 @@ class Piece:
     depth: int = 0
     name: str | None = None
     operand: Operand | None = None
-    neighbours: tuple[Solid, ...] = field(default=())
+    neighbours: tuple[Piece, ...] = field(default=())
 
     @cached_property
     def components(self) -> tuple[Solid, ...]:

@@ -101,10 +101,7 @@ def canonical_direction(direction: Vector) -> Vector:
 
 
 def plane_directions(solid: Solid) -> list[Vector]:
-    """Canonical unit normals of the solid's planes, those that hold most area first.
-
-    A solid without planes (a sheared cylinder's wall, say) gives the normals of its largest triangles.
-    """
+    """Canonical unit normals of the solid's planes, those that hold most area first."""
     facets = solid.facets
     held: dict[tuple[float, ...], tuple[float, Vector]] = {}
     areas = np.bincount(facets.surface, weights=facets.areas)
@@ -113,9 +110,6 @@ def plane_directions(solid: Solid) -> list[Vector]:
         if isinstance(plane, Plane):
             key = tuple(plane.normal)
             held[key] = (held.get(key, (0.0,))[0] + float(areas[index]), plane.normal)
-    if not held:
-        largest = np.argsort(-facets.areas, kind="stable")[:LARGEST_PLANES]
-        return [facets.normals[index] for index in largest]
     total = float(facets.areas.sum())
     order = sorted(held, key=lambda key: (-round(held[key][0] / total, 9), key))
     return [held[key][1] for key in order]
@@ -134,6 +128,8 @@ def sweeps(solid: Solid) -> tuple[Sweep, ...]:
             norm = float(np.linalg.norm(cross))
             if norm > 1e-3:
                 candidates.append(cross / norm)
+    if not candidates:
+        candidates = list(np.eye(3))
     distinct: list[Vector] = []
     for candidate in map(canonical_direction, candidates):
         if not any(abs(candidate @ other) > 1.0 - ANGLE_TOLERANCE**1.5 for other in distinct):

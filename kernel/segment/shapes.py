@@ -14,7 +14,7 @@ import numpy as np
 import shapely
 from shapely import Polygon
 
-from kernel.segment.faces import Faces, Region, closes, periodic_holes
+from kernel.segment.faces import Region, closes, faces_of, periodic_holes
 from kernel.segment.prism import Prism, sweeps
 from kernel.segment.segments import BeamShape, BrickShape, CylinderShape, PlateShape, Shape
 from kernel.segment.slices import parts_of, slice_polygon
@@ -202,6 +202,6 @@ def _cylinder_shape(draft: Draft, wall: TubeWall) -> CylinderShape:
 
 def _unrolled(wall: TubeWall, solid: Solid) -> Region:
     """Where the solid has both of the wall's faces, in (angle, z)."""
-    faces = Faces(solid)
+    faces = faces_of(solid)
     inner, outer = wall.surface_ids
     return faces.unrolled(inner, -1).intersection(faces.unrolled(outer, 1))

@@ -16,7 +16,7 @@ import numpy as np
 import shapely
 from shapely import Polygon, STRtree
 
-from kernel.segment.faces import Faces, Region
+from kernel.segment.faces import Region, faces_of
 from kernel.segment.slices import parts_of, slice_polygon
 from kernel.segment.walls import PlaneWall, TubeWall, Wall, find_walls
 from kernel.solid.solid import half_space_cut, intersect, prism, subtract, tube, unite
@@ -66,17 +66,17 @@ class WallDecomposition:
 
 def decompose(solid: Solid) -> WallDecomposition:
     """The solid's walls and what they leave."""
-    faces = Faces(solid)
-    walls = find_walls(solid, faces)
+    faces = faces_of(solid)
+    walls = find_walls(faces)
     volume = solid.volume
     slabs: list[tuple[Wall, Solid]] = []
     for wall in walls:
-        slab = _plane_slab(faces, wall, walls) if isinstance(wall, PlaneWall) else _tube_slab(faces, wall, walls)
+        slab = _plane_slab(solid, wall, walls) if isinstance(wall, PlaneWall) else _tube_slab(solid, wall, walls)
         if slab is not None and slab.volume > EMPTY * volume:
             slabs.append((wall, slab))
     if not slabs:
         return WallDecomposition((), solid.components(), 0.0)
-    parts = _settle_corners(faces, slabs)
+    parts = _settle_corners(solid, slabs)
     remainder = _less(solid, parts)
     parts, remainder = _give_crumbs(parts, remainder, volume)
     held = sum(part.solid.volume for part in parts)
@@ -98,10 +98,9 @@ def _less(solid: Solid, parts: list[WallPart]) -> list[Solid]:
 # ---------------------------------------------------------------- slabs
 
 
-def _plane_slab(faces: Faces, wall: PlaneWall, walls: tuple[Wall, ...]) -> Solid | None:
+def _plane_slab(solid: Solid, wall: PlaneWall, walls: tuple[Wall, ...]) -> Solid | None:
     """The solid between the wall's faces, limited to its own region and to the crossing walls it reaches into."""
-    solid = faces.solid
-    tolerance = faces.table.tolerance
+    tolerance = solid.surfaces.tolerance
     slab = solid
     along = solid.facets.vertices @ wall.normal
     if along.min() < wall.bottom - tolerance:
@@ -127,7 +126,7 @@ def _plane_slab(faces: Faces, wall: PlaneWall, walls: tuple[Wall, ...]) -> Solid
     frame = PlaneFrame(wall.u, wall.v, wall.normal)
     reach = wall.thickness
     outline = shapely.union_all([Polygon(part.exterior) for part in parts_of(own)])
-    cutter = prism(faces.table, outline, frame, wall.bottom - reach, wall.top + reach)
+    cutter = prism(solid.surfaces, outline, frame, wall.bottom - reach, wall.top + reach)
     return _touching(intersect([slab, cutter]), wall)
 
 
@@ -205,9 +204,8 @@ def _trace(wall: PlaneWall, other: Wall, centre: np.ndarray, reach: float) -> Re
     return Polygon(corners)
 
 
-def _tube_slab(faces: Faces, wall: TubeWall, walls: tuple[Wall, ...]) -> Solid | None:
+def _tube_slab(solid: Solid, wall: TubeWall, walls: tuple[Wall, ...]) -> Solid | None:
     """The solid between the wall's cylinders, over its own stretch of the axis and the walls that cross its ends."""
-    solid = faces.solid
     arm = solid.facets.vertices - wall.axis.point
     along = arm @ wall.axis.direction
     radius = np.hypot(arm @ wall.axis.x, arm @ wall.axis.y)
@@ -215,7 +213,7 @@ def _tube_slab(faces: Faces, wall: TubeWall, walls: tuple[Wall, ...]) -> Solid |
     growth = GROWTH * max(crossing, default=0.0)
     _, low, _, high = wall.paired.bounds
     low, high = max(float(along.min()), low - growth), min(float(along.max()), high + growth)
-    tolerance = 10.0 * faces.table.tolerance
+    tolerance = 10.0 * solid.surfaces.tolerance
     fills = (
         radius.min() > wall.inner_radius - tolerance
         and radius.max() < wall.outer_radius + tolerance
@@ -224,7 +222,7 @@ def _tube_slab(faces: Faces, wall: TubeWall, walls: tuple[Wall, ...]) -> Solid |
     )
     if fills:
         return solid
-    cutter = tube(faces.table, wall.axis_id, wall.inner_radius, wall.outer_radius, low, high)
+    cutter = tube(solid.surfaces, wall.axis_id, wall.inner_radius, wall.outer_radius, low, high)
     slab = intersect([solid, cutter])
     if slab.is_empty:
         return None
@@ -244,16 +242,16 @@ def _holds_face(piece: Solid, wall: TubeWall) -> bool:
 # ---------------------------------------------------------------- corners
 
 
-def _settle_corners(faces: Faces, slabs: list[tuple[Wall, Solid]]) -> list[WallPart]:
+def _settle_corners(solid: Solid, slabs: list[tuple[Wall, Solid]]) -> list[WallPart]:
     """The slabs made disjoint: pairs first, and where three met, in the order of their areas."""
-    volume = faces.solid.volume
+    volume = solid.volume
     losses: list[list[Solid]] = [[] for _ in slabs]
-    rank = _ranks(slabs, faces.table.size)
+    rank = _ranks(slabs, solid.surfaces.size)
     for i, j in _overlapping_boxes([slab for _, slab in slabs]):
         corner = intersect([slabs[i][1], slabs[j][1]])
         if corner.is_empty or corner.volume < 1e-12 * volume:
             continue
-        free_i, free_j = _free_share(corner, slabs[i][0], faces), _free_share(corner, slabs[j][0], faces)
+        free_i, free_j = _free_share(corner, slabs[i][0]), _free_share(corner, slabs[j][0])
         if abs(free_i - free_j) > FREE_MARGIN:
             winner = i if free_i > free_j else j
         else:
@@ -307,7 +305,7 @@ def _overlapping_boxes(solids: list[Solid]) -> list[tuple[int, int]]:
     return sorted((int(i), int(j)) for i, j in pairs)
 
 
-def _free_share(corner: Solid, wall: Wall, faces: Faces) -> float:
+def _free_share(corner: Solid, wall: Wall) -> float:
     """Share of the wall's two faces, inside the corner, that is free boundary of the whole solid (0 to 2)."""
     facets = corner.facets
     if isinstance(wall, PlaneWall):

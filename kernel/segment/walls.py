@@ -21,7 +21,7 @@ import shapely
 from numpy.typing import NDArray
 from shapely import MultiPolygon, Polygon
 
-from kernel.segment.faces import Faces, Region, scaled
+from kernel.segment.faces import Faces, Region, faces_of
 from kernel.segment.slices import parts_of, smallest_rectangle
 from kernel.solid.surfaces import Axis, CylinderSurface, Plane
 from kernel.units import ANGLE_TOLERANCE
@@ -114,9 +114,8 @@ def opening(region: Region, width: float) -> Region:
     return region.buffer(-0.5 * width, join_style="mitre").buffer(0.5 * width * 1.001, join_style="mitre")
 
 
-def find_walls(solid: Solid, faces: Faces | None = None) -> tuple[Wall, ...]:
-    """Every pair of faces of the solid that makes a wall, in a fixed order (planes first)."""
-    faces = faces or Faces(solid)
+def find_walls(faces: Faces) -> tuple[Wall, ...]:
+    """Every pair of faces of a solid that makes a wall, in a fixed order (planes first)."""
     return (*_plane_walls(faces), *_tube_walls(faces))
 
 
@@ -152,13 +151,12 @@ def _parallel_faces(faces: Faces) -> list[tuple[Plane, list[_PlaneFace], list[_P
         plane = faces.table.surfaces[surface]
         if not isinstance(plane, Plane):
             continue
-        group = next(
-            (group for group in groups if np.abs(group[0].normal - plane.normal).max() < ANGLE_TOLERANCE), None
-        )
-        if group is None:
-            group = (plane, [], [])
-            groups.append(group)
-        group[2 if side > 0 else 1].append(_PlaneFace(surface, side, plane.offset, area))
+        known = [group for group in groups if np.abs(group[0].normal - plane.normal).max() < ANGLE_TOLERANCE]
+        if not known:
+            known = [(plane, [], [])]
+            groups += known
+        _, bottoms, tops = known[0]
+        (tops if side > 0 else bottoms).append(_PlaneFace(surface, side, plane.offset, area))
     for _, bottoms, tops in groups:
         bottoms.sort(key=lambda face: face.offset)
         tops.sort(key=lambda face: face.offset)
@@ -249,7 +247,7 @@ def _tube_wall(faces: Faces, inner: int, outer: int, hidden: list[int]) -> TubeW
 
 def enclosing_tube(solid: Solid) -> TubeWall | None:
     """The pair of coaxial cylinders that the whole solid lies between, whatever its proportions; or None."""
-    faces = Faces(solid)
+    faces = faces_of(solid)
     cylinders = [
         (faces.table.surfaces[surface], surface, side)
         for surface, side in sorted(faces.areas)
@@ -269,8 +267,3 @@ def enclosing_tube(solid: Solid) -> TubeWall | None:
             if radius.min() > inner.radius - slack and radius.max() < outer.radius + slack:
                 return _tube_wall(faces, inner_id, outer_id, [])
     return None
-
-
-def unrolled_length(wall: TubeWall) -> Region:
-    """The paired region with arc length at the mean radius instead of the angle."""
-    return scaled(wall.paired, wall.mid_radius)
