@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from kernel.csg import padl_syntax as syntax
 from kernel.csg.limits import check_material, check_tree
 from kernel.csg.padl_numbers import CONSTANTS, FUNCTIONS, combine
@@ -86,7 +88,7 @@ class _Reader:
             )
         value = self._evaluate(statement.value)
         if isinstance(value, PadlSolid):
-            value = self.last = PadlSolid(value.body, value.place, value.matrix, name, value.n_node, value.depth)
+            value = self.last = replace(value, name=name, place=self._place(statement.here))
         self.values[key] = value
         self.defined_on[key] = statement.here.line
 

@@ -45,7 +45,7 @@ class PadlSolid:
         """The tree, every placement pushed down to its primitives."""
         matrix = outer @ self.matrix
         if isinstance(self.body, Primitive):
-            return replace(place(self.body, matrix), name=self.name)
+            return replace(place(self.body, matrix), name=self.name, place=self.place)
         operation, operands = self.body
         children = tuple(operand.as_tree(matrix) for operand in operands)
         return Boolean(operation=operation, children=children, name=self.name, place=self.place)
