@@ -41,7 +41,7 @@ def meshed_answer(meshed: Meshed) -> MeshAnswer:
     common["checks"] = ChecksAnswer(
         volume_of_segments=common["checks"].volume_of_segments,
         mass_error=checks.mass_error,
-        **_check_fields(checks),
+        **plain(checks.to_json()),
     )
     return MeshAnswer(
         **common,
@@ -55,7 +55,7 @@ def meshed_answer(meshed: Meshed) -> MeshAnswer:
             {"segments": list(row.segments), "cause": row.cause, "volume": float(row.volume)}
             for row in meshed.assembly.ledger
         ],
-        warnings=list(meshed.assembly.warnings),
+        warnings=list(meshed.model.notes),
         seconds={stage: round(seconds, 4) for stage, seconds in meshed.seconds.items()},
     )
 
@@ -154,18 +154,6 @@ def _section(segment: Segment, sections: dict[str, SectionProperties]) -> Sectio
     from kernel.idealise.section import section_properties
 
     return section_properties(segment.shape.outline)
-
-
-def _check_fields(checks: Any) -> dict[str, Any]:
-    """Every plain number, text and list that the checks carry, under its own name."""
-    import dataclasses
-
-    fields = {f.name: plain(getattr(checks, f.name)) for f in dataclasses.fields(checks)}
-    return {
-        name: value
-        for name, value in fields.items()
-        if name not in ("mass_error", "volume_of_segments") and isinstance(value, int | float | str | bool | list)
-    }
 
 
 def _maybe(value: float | None) -> float | None:

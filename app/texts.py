@@ -132,6 +132,7 @@ def mesh_text(answer: MeshAnswer, deck: str) -> str:
         for measure, value in measures.items():
             if isinstance(value, dict):
                 lines.append(f"{kind} {measure}: " + ", ".join(f"{k} {number(v)}" for k, v in value.items()))
+    lines += [f"check failed: {failure}" for failure in (answer.checks.model_extra or {}).get("failures", [])]
     lines += [f"warning: {warning}" for warning in answer.warnings]
     lines.append(f"seconds: {sum(answer.seconds.values()):.2f}")
     return "\n".join(lines)

@@ -20,7 +20,8 @@ PADL_EXAMPLE = """\
 UNITS MM
 TOP = BLO(X=1200, Y=800, Z=25) AT (MOVZ=700)
 LEG = CYL(R=20, H=700) AT (MOVX=60, MOVY=60)
-OUT TOP UN LEG
+TABLE = TOP UN LEG
+OUT TABLE
 """
 """The csgmesh language, as the documentation of the operation shows it."""
 

@@ -162,12 +162,18 @@ def _checks(answer: MeshAnswer) -> str:
         ("volume of the segments", f"{number(answer.checks.volume_of_segments)} of {number(answer.volume)}"),
         *((kind, str(count)) for kind, count in answer.couplings.items()),
     ]
-    for name, value in (answer.checks.model_extra or {}).items():
-        if isinstance(value, bool | int | float | str):
+    checks = answer.checks.model_extra or {}
+    for name, value in checks.items():
+        if isinstance(value, bool | int | float | str) and name not in ("components", "passed"):
             rows.append((name.replace("_", " "), number(value)))
+    failures = "".join(f'<p class="bad">{escape(failure)}</p>' for failure in checks.get("failures", []))
     ledger = [(" ".join(row["segments"]), row["cause"], number(row["volume"])) for row in answer.ledger]
     listed = _table(("segments", "counted more (+) or less (-) often than the solid has it", "volume"), ledger)
-    return _table(("check", "value"), rows) + (f"<h2>Ledger</h2>{listed}" if ledger else "")
+    return (
+        (failures or "<p>All checks hold.</p>")
+        + _table(("check", "value"), rows)
+        + (f"<h2>Ledger</h2>{listed}" if ledger else "")
+    )
 
 
 def _seconds(seconds: dict[str, float]) -> str:

@@ -266,6 +266,7 @@ function showMesh() {
       }
     }
   }
+  for (const failure of mesh.checks.failures || []) lines.push(make("p", { class: "bad" }, failure));
   for (const warning of mesh.warnings) lines.push(make("p", { class: "quiet" }, warning));
   byId("quality-summary").replaceChildren(...lines);
   byId("mesh-result").hidden = false;

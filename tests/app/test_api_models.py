@@ -2,7 +2,7 @@
 
 import pytest
 
-PADL = "TOP = BLO(X=100, Y=60, Z=5)\nHOLE = CYL(R=8, H=20) AT (MOVX=50, MOVY=30, MOVZ=-5)\nOUT TOP DIF HOLE\n"
+PADL = "TOP = BLO(X=100, Y=60, Z=5)\nHOLE = CYL(R=8, H=20) AT (MOVX=50, MOVY=30, MOVZ=-5)\nPLATE = TOP DIF HOLE\nOUT PLATE\n"
 TEXT = {"Content-Type": "text/plain"}
 
 
