@@ -12,11 +12,12 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
+from kernel.mesh.constrained import edges_of
 from kernel.mesh.cut import CutRegion, cut_open
 from kernel.mesh.quads import coarse_edges, quad_mesh, smooth
 from kernel.mesh.region import Region, RegionMesh
 from kernel.mesh.seam import BRIDGE, Step, find_seam
-from kernel.mesh.triangles import edge_arrays, triangle_mesh
+from kernel.mesh.triangles import triangle_mesh
 
 _BAND = 3
 """Rings of quads about the seam that are smoothed across it."""
@@ -29,7 +30,7 @@ def periodic_mesh(region: Region, size: float, faces: str) -> RegionMesh:
     is_candidate[region.edges.ravel()] = True
     if faces == "quad":
         # only points that are coarse nodes: the seam leaves an even number of edges between where it meets a ring
-        coarse = coarse_edges(np.ascontiguousarray(region.points), *edge_arrays(region), None)
+        coarse = coarse_edges(np.ascontiguousarray(region.points), edges_of(region))
         is_candidate[coarse[:, 2]] = False
     seeded, seam = _seed_seam(region, find_seam(region, size, is_candidate), size, faces)
     cut = cut_open(seeded, seam)

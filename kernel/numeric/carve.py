@@ -13,7 +13,8 @@ def carve(corner, twin, lock, leaving, n_triangle, start, end, kind, n_node):
     """Drop the outside in place, renumber what stays; returns the number of triangles inside.
 
     start, end, kind: (n_edge,) constraints, BOUNDARY ones with the region on their left. Nodes from n_node on are
-    the frame's. Where no edge is a BOUNDARY only the frame's own triangles go. Afterwards leaving[node] of a hull node is the hull's half-edge.
+    the frame's. Where no edge is a BOUNDARY only the frame's own triangles go. Afterwards leaving[node] of a hull
+    node is the hull's half-edge.
     """
     is_outside = np.zeros(n_triangle, np.uint8)
     stack = np.empty(n_triangle, np.int32)

@@ -74,6 +74,15 @@ def quad_sine(nodes, quads, i):
 
 
 @compiled
+def quad_sines(nodes, quads):
+    """Scaled Jacobian of every quad, (n_quad,)."""
+    sines = np.empty(len(quads))
+    for i in range(len(quads)):
+        sines[i] = quad_sine(nodes, quads, i)
+    return sines
+
+
+@compiled
 def worst_about(nodes, quads, offset, incidence, v, x, y, ratio_weight):
     """Worst corner shape of the quads about node v if it stood at x, y (the corner opposite v does not change)."""
     worst = 2.0

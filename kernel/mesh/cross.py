@@ -1,0 +1,49 @@
+"""The direction that a region's mesh follows where nothing else says one, and the square front that grows along it."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kernel.mesh.constrained import Edges
+from kernel.numeric.front import grow_front
+from kernel.numeric.halfedge import BOUNDARY
+
+_SCREEN = 0.2
+"""Weight of the dominant direction against a neighbour cell's in the cross field."""
+_DOMINANT_SHARE = 0.08
+"""The field is pulled to the dominant direction if this share of all edge length runs along it."""
+_GROWTH = 0.3
+"""Growth of the size from short edges, sizes per size of distance."""
+
+
+def dominant_cross(points: NDArray[np.float64], edges: Edges) -> tuple[float, float, float]:
+    """cos 4a and sin 4a of the direction that most of the boundary runs along, and the weight it deserves."""
+    along = points[edges.end] - points[edges.start]
+    length = np.hypot(along[:, 0], along[:, 1])
+    angle4 = 4 * np.arctan2(along[:, 1], along[:, 0])
+    bucket = np.round(np.mod(angle4, 2 * np.pi) / (2 * np.pi) * 90).astype(np.int64) % 90
+    weight = np.bincount(bucket, weights=length * (edges.kind == BOUNDARY), minlength=90)
+    chosen = bucket == weight.argmax()
+    angle = math.atan2((length * np.sin(angle4))[chosen].sum(), (length * np.cos(angle4))[chosen].sum())
+    screen = _SCREEN if weight.max() > _DOMINANT_SHARE * length.sum() else 0.0
+    return math.cos(angle), math.sin(angle), screen
+
+
+def grow(
+    points: NDArray[np.float64],
+    edges: Edges,
+    is_curved: NDArray[np.bool_],
+    size: float,
+    cross: tuple[float, float, float],
+) -> NDArray[np.float64]:
+    """The points, then the nodes of the square front. is_curved: (n_edge,); cross: see dominant_cross."""
+    is_curved_point = np.zeros(len(points), np.uint8)
+    for ends in (edges.start, edges.end):
+        is_curved_point[ends[is_curved]] = 1
+    for ends in (edges.start, edges.end):
+        is_curved_point[ends[~is_curved]] = 0
+    cosine, sine, screen = cross
+    return grow_front(points, *edges.arrays, is_curved_point, float(size), cosine, sine, screen, _GROWTH)
