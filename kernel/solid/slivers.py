@@ -15,6 +15,8 @@ curved surface the error is of second order in the sagitta (about 1e-7 of the vo
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -29,6 +31,9 @@ from kernel.solid.surfaces import (
 from kernel.solid.table import SurfaceTable
 
 Round = CylinderSurface | ConeSurface | SphereSurface | TorusSurface
+
+Density = Callable[[Round, NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]], NDArray[np.float64]]
+"""(surface, points, unit vectors out, rho) -> strength of the field along those vectors."""
 
 _ORDERS = {CylinderSurface: 4, ConeSurface: 10, SphereSurface: 3, TorusSurface: 3}
 """Gauss points along each side of the collapsed square, for 1e-10 of the volume; near a cone's tip the radius is no
@@ -53,12 +58,23 @@ def sliver_volume(facets: Facets, table: SurfaceTable) -> float:
     for number in np.unique(facets.surface):
         surface = table.surfaces[number] if number < len(table.surfaces) else None
         if isinstance(surface, Round):
-            total += float(_flux(facets, np.nonzero(facets.surface == number)[0], surface).sum())
+            total += float(_flux(facets, np.nonzero(facets.surface == number)[0], surface, _volume_density).sum())
     return total
 
 
-def _flux(facets: Facets, rows: NDArray[np.int64], surface: Round) -> NDArray[np.float64]:
-    """(k,) volume over each of the triangles `rows`."""
+def true_areas(facets: Facets, table: SurfaceTable) -> NDArray[np.float64]:
+    """(m,) area of the true surface over each triangle: the same lines, the area between them on the surface."""
+    areas = facets.areas.copy()
+    for number in np.unique(facets.surface):
+        surface = table.surfaces[number] if number < len(table.surfaces) else None
+        if isinstance(surface, Round):
+            rows = np.nonzero(facets.surface == number)[0]
+            areas[rows] = np.abs(_flux(facets, rows, surface, _area_density))
+    return areas
+
+
+def _flux(facets: Facets, rows: NDArray[np.int64], surface: Round, density: Density) -> NDArray[np.float64]:
+    """(k,) flux of the radial field `density` through each of the triangles `rows`."""
     rule, weights = _RULES[type(surface)]
     corners = facets.vertices[facets.triangles[rows]]
     apart = np.linalg.norm(_arms(surface, corners.reshape(-1, 3)), axis=1).reshape(-1, 3)
@@ -69,11 +85,11 @@ def _flux(facets: Facets, rows: NDArray[np.int64], surface: Round) -> NDArray[np
     arms = _arms(surface, points)
     rho = np.linalg.norm(arms, axis=1)
     unit = arms / np.where(rho > 0.0, rho, 1.0)[:, None]
-    density = _density(surface, points, unit, np.where(rho > 0.0, rho, 1.0))
+    value = density(surface, points, unit, np.where(rho > 0.0, rho, 1.0))
     normal = np.repeat(facets.normals[rows], len(weights), axis=0)
-    flux = (density * np.einsum("ij,ij->i", unit, normal)).reshape(-1, len(weights))
-    volume: NDArray[np.float64] = (flux @ weights) * facets.areas[rows]
-    return volume
+    flux = (value * np.einsum("ij,ij->i", unit, normal)).reshape(-1, len(weights))
+    through: NDArray[np.float64] = (flux @ weights) * facets.areas[rows]
+    return through
 
 
 def _arms(surface: Round, points: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -88,7 +104,7 @@ def _arms(surface: Round, points: NDArray[np.float64]) -> NDArray[np.float64]:
             return points - surface.centre - surface.major_radius * out / np.linalg.norm(out, axis=1)[:, None]
 
 
-def _density(
+def _volume_density(
     surface: Round, points: NDArray[np.float64], unit: NDArray[np.float64], rho: NDArray[np.float64]
 ) -> NDArray[np.float64]:
     match surface:
@@ -105,3 +121,21 @@ def _density(
             major, minor = surface.major_radius, surface.minor_radius
             gained = major * (minor**2 - rho**2) / 2.0 + cosine * (minor**3 - rho**3) / 3.0
             return gained / (rho * (major + cosine * rho))
+
+
+def _area_density(
+    surface: Round, points: NDArray[np.float64], unit: NDArray[np.float64], rho: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    match surface:
+        case CylinderSurface():
+            return surface.radius / rho
+        case ConeSurface():
+            radius = surface.slope * ((points - surface.apex) @ surface.axis.direction)
+            return radius * np.hypot(1.0, surface.slope) / rho
+        case SphereSurface():
+            return (surface.radius / rho) ** 2
+        case TorusSurface():
+            out = radial(surface.axis, points)
+            cosine = np.einsum("ij,ij->i", unit, out) / np.linalg.norm(out, axis=1)
+            major, minor = surface.major_radius, surface.minor_radius
+            return minor * (major + cosine * minor) / (rho * (major + cosine * rho))
