@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 from kernel.errors import OptionError
 from kernel.units import UnitSet
+
+if TYPE_CHECKING:
+    from kernel.csg.tree import CsgModel
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,3 +51,57 @@ def named_material(name: str, units: UnitSet) -> Material:
         elastic_modulus=units.stress_from_pascal(si.elastic_modulus),
         density=units.density_from_si(si.density),
     )
+
+
+DEFAULT_MATERIAL = "steel"
+
+_KEYS = {
+    "elastic_modulus": ("E", "EX", "YOUNG"),
+    "poisson_ratio": ("NU", "POISSON", "PR"),
+    "density": ("RHO", "DENS", "DENSITY"),
+}
+
+
+def choose_material(option: str | None, csg: CsgModel, units: UnitSet) -> Material:
+    """The material that the user asks for, else the one that the model's text defines, else steel.
+
+    option: the name of a material of the model, or a named one. OptionError: unknown, or the model defines several.
+    """
+    own = {name.lower(): name for name in csg.materials}
+    if option is not None:
+        if option.lower() in own:
+            name = own[option.lower()]
+            return _material_of_model(name, csg.materials[name])
+        return named_material(option, units)
+    if len(own) > 1:
+        names = ", ".join(sorted(csg.materials))
+        raise OptionError(f"the model defines {len(own)} materials ({names}), expected one or the option --material")
+    for name, values in csg.materials.items():
+        return _material_of_model(name, values)
+    return named_material(DEFAULT_MATERIAL, units)
+
+
+def _material_of_model(name: str, values: Mapping[str, float]) -> Material:
+    """A `MATERIAL name(E=, NU=, RHO=)`, in the model's own units. OptionError: a value is missing or out of range."""
+    given = {key.upper(): float(value) for key, value in values.items()}
+    found: dict[str, float] = {}
+    for quantity, keys in _KEYS.items():
+        present = [key for key in keys if key in given]
+        if len(present) != 1:
+            raise OptionError(f"material {name!r} gives {sorted(given)}, expected one value each of E, NU and RHO")
+        found[quantity] = given[present[0]]
+    return checked_material(Material(name, source="the model", **found))
+
+
+def checked_material(material: Material) -> Material:
+    """The material itself; OptionError where it is none (E > 0, -1 < nu < 0.5, density >= 0)."""
+    if not 0 < material.elastic_modulus < float("inf"):
+        raise OptionError(
+            f"material {material.name!r} has E = {material.elastic_modulus:g}, expected a positive number"
+        )
+    if not -1 < material.poisson_ratio < 0.5:
+        ratio = material.poisson_ratio
+        raise OptionError(f"material {material.name!r} has NU = {ratio:g}, expected a number between -1 and 0.5")
+    if not 0 <= material.density < float("inf"):
+        raise OptionError(f"material {material.name!r} has RHO = {material.density:g}, expected a number not below 0")
+    return material

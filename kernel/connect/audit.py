@@ -1,0 +1,123 @@
+"""Audits of a mesh by counting: pieces, coincident nodes, cracks along shared curves."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kernel.connect.model import Mpc, Rbe2
+from kernel.mesh.elements import ELEMENT_KINDS
+
+if TYPE_CHECKING:
+    from kernel.connect.model import Coupling, Model
+    from kernel.mesh.mesh import Mesh
+
+
+def connected_components(model: Model) -> int:
+    """Pieces of the model, elements and couplings counted as connections. Nodes of neither count not at all."""
+    labels = _labels(model)
+    used = np.zeros(model.mesh.n_node, dtype=bool)
+    for block in model.mesh.blocks:
+        used[block.connectivity.ravel()] = True
+    return len(np.unique(labels[used]))
+
+
+def coincident_nodes(model: Model, tolerance: float) -> int:
+    """Pairs of nodes nearer than the tolerance that no coupling ties to one another."""
+    nodes = model.mesh.nodes
+    if tolerance <= 0 or len(nodes) < 2:
+        return 0
+    pairs = near_pairs(nodes, tolerance)
+    close = {node for pair in pairs for node in pair}
+    couplings: dict[int, set[int]] = {node: set() for node in close}
+    for index, coupling in enumerate(model.couplings):
+        for node in close.intersection(map(int, coupling_nodes(coupling))):
+            couplings[node].add(index)
+    return sum(not couplings[a] & couplings[b] for a, b in pairs)
+
+
+def near_pairs(points: NDArray[np.float64], tolerance: float) -> list[tuple[int, int]]:
+    """All pairs (i < j) nearer than the tolerance, by a sweep along x: few points share so narrow a slice."""
+    order = np.lexsort((points[:, 2], points[:, 1], points[:, 0]))
+    x = points[order, 0]
+    ends = np.searchsorted(x, x + tolerance, side="right")
+    counts = ends - np.arange(len(x)) - 1
+    if counts.sum() > MAX_SLICE_PAIRS:  # many nodes in planes across x: a tree is better there
+        from scipy.spatial import cKDTree
+
+        return sorted(cKDTree(points).query_pairs(tolerance))
+    first = np.repeat(np.arange(len(x)), counts)
+    second = first + 1 + np.arange(counts.sum()) - np.repeat(np.cumsum(counts) - counts, counts)
+    near = np.linalg.norm(points[order[first]] - points[order[second]], axis=1) < tolerance
+    pairs = np.sort(np.column_stack([order[first[near]], order[second[near]]]), axis=1)
+    return sorted((int(a), int(b)) for a, b in pairs)
+
+
+MAX_SLICE_PAIRS = 2_000_000
+"""Candidates that the sweep may hold at once."""
+
+
+def edge_cracks(mesh: Mesh, curve_uses: NDArray[np.int64]) -> int:
+    """Mesh edges whose number of shell elements is wrong.
+
+    curve_uses: (n, 3) rows (node, node, expected number) for every edge on a curve. Every other edge of a shell lies
+    inside a face, so that exactly two elements share it.
+    """
+    if len(curve_uses) == 0:
+        return 0
+    sides = [
+        np.sort(block.connectivity[:, list(edge)], axis=1)
+        for block in mesh.blocks
+        if ELEMENT_KINDS[block.kind].dimension == 2
+        for edge in ELEMENT_KINDS[block.kind].edges
+    ]
+    found = np.concatenate(sides) if sides else np.empty((0, 2), np.int64)
+    key = np.int64(mesh.n_node)
+    edges, counts = np.unique(found[:, 0] * key + found[:, 1], return_counts=True)
+    listed = np.sort(curve_uses[:, :2], axis=1)
+    curve_keys = listed[:, 0] * key + listed[:, 1]
+    expected = np.full(len(edges), 2)
+    position = np.searchsorted(edges, curve_keys)
+    inside = position < len(edges)
+    inside[inside] = edges[position[inside]] == curve_keys[inside]
+    expected[position[inside]] = curve_uses[inside, 2]
+    missing = int((curve_uses[~inside, 2] > 0).sum())
+    return int((counts != expected).sum()) + missing
+
+
+def _labels(model: Model) -> NDArray[np.int64]:
+    """A label for each node, equal within a piece: the smallest is passed on until nothing changes."""
+    pairs: list[NDArray[np.int64]] = []
+    for block in model.mesh.blocks:
+        nodes = block.connectivity
+        pairs += [nodes[:, [0, k]] for k in range(1, nodes.shape[1])]
+    for coupling in model.couplings:
+        members = coupling_nodes(coupling)
+        pairs.append(np.column_stack([np.full(len(members) - 1, members[0]), members[1:]]))
+    labels = np.arange(model.mesh.n_node)
+    if not pairs:
+        return labels
+    first, second = np.concatenate(pairs).T
+    while True:
+        low = np.minimum(labels[first], labels[second])
+        before = labels.copy()
+        np.minimum.at(labels, labels[first], low)  # hook the roots
+        np.minimum.at(labels, labels[second], low)
+        while True:  # then shorten the paths
+            jumped = labels[labels]
+            if np.array_equal(jumped, labels):
+                break
+            labels = jumped
+        if np.array_equal(labels, before):
+            return labels
+
+
+def coupling_nodes(coupling: Coupling) -> NDArray[np.int64]:
+    """All nodes of a coupling; the independent one of an RBE2 and the dependent one of an RBE3 first."""
+    if isinstance(coupling, Rbe2):
+        return np.concatenate([[coupling.independent], coupling.dependent])
+    if isinstance(coupling, Mpc):
+        return np.unique(coupling.nodes)
+    return np.concatenate([[coupling.dependent], coupling.independent])

@@ -1,0 +1,133 @@
+"""The connected model, from the meshed parts: in the user's frame, with properties, materials, couplings and sets."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kernel.connect.couplings import make_couplings
+from kernel.connect.model import Model, NamedSet, Property
+from kernel.csg.tree import CsgModel, walk
+from kernel.errors import DefectError
+from kernel.materials import Material, choose_material
+from kernel.mesh.mesh import ElementBlock, Mesh
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from kernel.idealise.members import Assembly
+    from kernel.segment.segments import Segment
+    from kernel.solid.evaluate import Evaluated
+    from kernel.units import UnitSet
+
+COORDINATE_DIGITS = 12
+"""Digits, counted from the model's size, that a coordinate keeps: what a rotation's rounding adds is cut off."""
+
+_KINDS = {"beam": "beam", "plate": "shell", "cylinder_plate": "shell", "brick": "solid"}
+
+
+def build_model(
+    assembly: Assembly,
+    evaluated: Evaluated,
+    csg: CsgModel,
+    *,
+    units: UnitSet,
+    material: str | None = None,
+    coupling: str = "distributing",
+    title: str = "",
+    rule_base: str = "",
+) -> Model:
+    """The model in the user's frame (`evaluated.frame` applied), every tie a coupling, every segment a property.
+
+    material: a named material or a file; None for what the model's text says, else steel.
+    OptionError: an unknown material or coupling. ConnectError: a tie that contradicts others.
+    """
+    chosen = choose_material(material, csg, units)
+    mesh = _in_frame(assembly.mesh, np.asarray(evaluated.frame, dtype=np.float64))
+    coupled = make_couplings(assembly.ties, mesh, mesh.nodes, coupling)
+    return Model(
+        title=title,
+        units=units.name,
+        rule_base=rule_base,
+        mesh=mesh,
+        properties=tuple(_property(segment, assembly, chosen) for segment in assembly.segments),
+        materials={chosen.name: chosen},
+        couplings=coupled.couplings,
+        sets=_sets(csg, assembly.segments, mesh),
+        notes=(*assembly.warnings, *coupled.notes),
+    )
+
+
+def clean_coordinates(points: NDArray[np.float64], size: float) -> NDArray[np.float64]:
+    """Coordinates rounded to COORDINATE_DIGITS of the size, never -0."""
+    decimals = COORDINATE_DIGITS - int(np.ceil(np.log10(size))) if size > 0 else COORDINATE_DIGITS
+    return np.round(points, decimals) + 0.0
+
+
+def _in_frame(mesh: Mesh, frame: NDArray[np.float64]) -> Mesh:
+    size = float(np.linalg.norm(np.ptp(mesh.nodes, axis=0))) if mesh.n_node else 0.0
+    nodes = clean_coordinates(mesh.nodes @ frame.T, size)
+    blocks = tuple(_block_in_frame(block, frame) for block in mesh.blocks)
+    nodes.flags.writeable = False
+    return Mesh(nodes, blocks)
+
+
+def _block_in_frame(block: ElementBlock, frame: NDArray[np.float64]) -> ElementBlock:
+    if block.orientation is None:
+        return block
+    return replace(block, orientation=clean_coordinates(block.orientation @ frame.T, 1.0))
+
+
+def _property(segment: Segment, assembly: Assembly, material: Material) -> Property:
+    kind = _KINDS[segment.type]
+    section = assembly.sections.get(segment.id)
+    if kind == "beam" and section is None:
+        raise DefectError(f"beam {segment.id} has no section")
+    return Property(
+        segment=segment.id,
+        kind=kind,
+        material=material.name,
+        thickness=segment.thickness if kind == "shell" else None,
+        section=section if kind == "beam" else None,
+    )
+
+
+def _sets(csg: CsgModel, segments: Sequence[Segment], mesh: Mesh) -> tuple[NamedSet, ...]:
+    """A set for each named CSG node that has segments at or under it, then one for each segment.
+
+    A name that stands more than once in the tree is written with its path: FOOT_0_1.
+    """
+    named = [(node.name, path) for path, node in walk(csg.root) if node.name]
+    counts: dict[str, int] = {}
+    for name, _ in named:
+        counts[name] = counts.get(name, 0) + 1
+    wanted: list[tuple[str, list[str]]] = []
+    for name, path in named:
+        inside = [segment.id for segment in segments if _is_under(segment.node, path)]
+        if inside:
+            unique = name if counts[name] == 1 else f"{name}_{'root' if path == '/' else path.replace('.', '_')}"
+            wanted.append((unique, inside))
+    wanted += [(segment.id, [segment.id]) for segment in segments]
+    return tuple(_named_set(name, inside, mesh) for name, inside in wanted)
+
+
+def _is_under(path: str, ancestor: str) -> bool:
+    return ancestor == "/" or path == ancestor or path.startswith(f"{ancestor}.")
+
+
+def _named_set(name: str, segments: list[str], mesh: Mesh) -> NamedSet:
+    elements: list[NDArray[np.int64]] = []
+    nodes: list[NDArray[np.int64]] = []
+    start = 0
+    for block in mesh.blocks:
+        count = len(block.connectivity)
+        if block.segment in segments:
+            elements.append(np.arange(start, start + count))
+            nodes.append(block.connectivity.ravel())
+        start += count
+    if not elements:
+        raise DefectError(f"segments {', '.join(segments)} have no elements")
+    return NamedSet(name, np.unique(np.concatenate(nodes)), np.concatenate(elements))

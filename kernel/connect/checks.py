@@ -1,0 +1,202 @@
+"""The checks that every model passes before it is written: what the report's proof stands on."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kernel.connect.audit import coincident_nodes, connected_components, coupling_nodes, edge_cracks
+from kernel.connect.couplings import nodes_with_rotations
+from kernel.connect.equations import rigid_motion_error
+from kernel.connect.mass import Moments, block_moments, solid_moments, total
+from kernel.connect.model import Coupling, Model, Mpc, Rbe2
+from kernel.units import VERTEX_TOLERANCE
+
+if TYPE_CHECKING:
+    from kernel.idealise.members import Assembly, LedgerRow
+    from kernel.solid.evaluate import Evaluated
+
+RIGID_MOTION_TOLERANCE = 1e-9
+"""Residual of a coupling under unit rigid motions of the model (see equations.rigid_motion_error)."""
+
+MASS_TOLERANCE = 5e-3
+"""The model's mass less the ledger's corners agrees with the solid's within this."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Checks:
+    """components, solid_components: connected pieces of the model (couplings counted) and of the CSG solid.
+
+    free_nodes: nodes of no element and no coupling. coincident_nodes: pairs nearer than the vertex tolerance that no
+    coupling ties. coupling_error: worst residual under the six rigid motions. doubly_dependent: freedoms that depend
+    twice. chained: freedoms that depend on something and are independent elsewhere.
+    cracks: mesh edges on shared curves that are not used as often as their faces say, with edges used once elsewhere.
+    masses in the unit set's mass; centres (3,) and inertias (3, 3) in the user's frame, about each one's own centre.
+    ledger: double-counted corners (volumes). failures: one line for each check that does not hold.
+    """
+
+    components: int
+    solid_components: int
+    free_nodes: int
+    coincident_nodes: int
+    coupling_error: float
+    doubly_dependent: int
+    chained: int
+    cracks: int
+    solid_mass: float
+    model_mass: float
+    ledger_mass: float
+    solid_centre: NDArray[np.float64]
+    model_centre: NDArray[np.float64]
+    solid_inertia: NDArray[np.float64]
+    model_inertia: NDArray[np.float64]
+    ledger: tuple[LedgerRow, ...]
+    failures: tuple[str, ...]
+
+    @property
+    def mass_error(self) -> float:
+        """Model's mass over the solid's, less 1."""
+        return self.model_mass / self.solid_mass - 1
+
+    @property
+    def accounted_mass_error(self) -> float:
+        """The same after the ledger's corners are taken from the model."""
+        return (self.model_mass - self.ledger_mass) / self.solid_mass - 1
+
+    @property
+    def passed(self) -> bool:
+        """No check failed."""
+        return not self.failures
+
+    def to_json(self) -> dict[str, Any]:
+        """For reports and `--json`."""
+        return {
+            "passed": self.passed,
+            "failures": list(self.failures),
+            "components": self.components,
+            "solid_components": self.solid_components,
+            "free_nodes": self.free_nodes,
+            "coincident_nodes": self.coincident_nodes,
+            "coupling_error": self.coupling_error,
+            "doubly_dependent": self.doubly_dependent,
+            "chained": self.chained,
+            "cracks": self.cracks,
+            "mass": {
+                "solid": self.solid_mass,
+                "model": self.model_mass,
+                "error": self.mass_error,
+                "ledger": self.ledger_mass,
+                "accounted_error": self.accounted_mass_error,
+            },
+            "centre": {"solid": self.solid_centre.tolist(), "model": self.model_centre.tolist()},
+            "inertia": {"solid": self.solid_inertia.tolist(), "model": self.model_inertia.tolist()},
+            "ledger": [
+                {"segments": list(row.segments), "cause": row.cause, "volume": row.volume} for row in self.ledger
+            ],
+        }
+
+
+def check_model(model: Model, assembly: Assembly, evaluated: Evaluated) -> Checks:
+    """All checks of the model against itself, its assembly and the solid that it stands for."""
+    nodes = model.mesh.nodes
+    size = float(evaluated.size)
+    centre = (nodes.min(axis=0) + nodes.max(axis=0)) / 2
+    errors = [rigid_motion_error(coupling, nodes, centre, size) for coupling in model.couplings]
+    solid, meshed, density = _masses(model, evaluated)
+    doubly, chained = dependence(model.couplings, nodes_with_rotations(model.mesh))
+    checks = Checks(
+        components=connected_components(model),
+        solid_components=len(evaluated.solid.components()),
+        free_nodes=_free_nodes(model),
+        coincident_nodes=coincident_nodes(model, VERTEX_TOLERANCE * size),
+        coupling_error=max(errors, default=0.0),
+        doubly_dependent=doubly,
+        chained=chained,
+        cracks=edge_cracks(assembly.mesh, assembly.curve_uses),
+        solid_mass=solid.mass,
+        model_mass=meshed.mass,
+        ledger_mass=sum(row.volume for row in assembly.ledger) * density,
+        solid_centre=solid.centre,
+        model_centre=meshed.centre,
+        solid_inertia=solid.inertia,
+        model_inertia=meshed.inertia,
+        ledger=assembly.ledger,
+        failures=(),
+    )
+    return _with_failures(checks)
+
+
+def dependence(couplings: tuple[Coupling, ...], has_rotations: NDArray[np.bool_]) -> tuple[int, int]:
+    """How many freedoms depend twice, and how many are both dependent and independent."""
+    dependent: dict[tuple[int, int], int] = {}
+    independent: set[tuple[int, int]] = set()
+    for coupling in couplings:
+        if isinstance(coupling, Rbe2):
+            freedoms = [(int(node), int(c)) for node in coupling.dependent for c in coupling.components]
+            independent.update(
+                (coupling.independent, c) for c in range(1, 7 if has_rotations[coupling.independent] else 4)
+            )
+        elif isinstance(coupling, Mpc):
+            freedoms = [(int(coupling.nodes[0]), int(coupling.components[0]))]
+            independent.update(zip(map(int, coupling.nodes[1:]), map(int, coupling.components[1:])))
+        else:
+            freedoms = [(coupling.dependent, int(c)) for c in coupling.components]
+            independent.update((int(n), int(c)) for n in coupling.independent for c in coupling.independent_components)
+        for freedom in freedoms:
+            dependent[freedom] = dependent.get(freedom, 0) + 1
+    return sum(count > 1 for count in dependent.values()), len(independent & set(dependent))
+
+
+def _masses(model: Model, evaluated: Evaluated) -> tuple[Moments, Moments, float]:
+    """Of the solid, of the model, and the solid's density (the mean over the segments where materials differ)."""
+    elements = {element.segment: element for element in model.properties}
+    nodes = model.mesh.nodes
+    parts, bare = [], 0.0
+    for block in model.mesh.blocks:
+        element = elements[block.segment]
+        part = block_moments(block, nodes, element, model.materials[element.material].density)
+        parts.append(part)
+        bare += block_moments(block, nodes, element, 1 / element.density_factor).mass
+    meshed = total(parts)
+    densities = {material.density for material in model.materials.values()}
+    density = densities.pop() if len(densities) == 1 else meshed.mass / bare
+    facets = evaluated.solid.facets
+    frame = np.asarray(evaluated.frame)
+    solid = solid_moments(facets.vertices @ frame.T, facets.triangles, evaluated.solid.true_volume)
+    return Moments(solid.mass * density, solid.centre, solid.second * density), meshed, density
+
+
+def _free_nodes(model: Model) -> int:
+    used = np.zeros(model.mesh.n_node, dtype=bool)
+    for block in model.mesh.blocks:
+        used[block.connectivity.ravel()] = True
+    for coupling in model.couplings:
+        used[coupling_nodes(coupling)] = True
+    return int((~used).sum())
+
+
+def _with_failures(checks: Checks) -> Checks:
+    expected = checks.solid_components
+    tests = (
+        (
+            checks.components == expected,
+            f"the model is in {checks.components} pieces, expected {expected} as the solid",
+        ),
+        (checks.free_nodes == 0, f"{checks.free_nodes} nodes belong to nothing"),
+        (checks.coincident_nodes == 0, f"{checks.coincident_nodes} pairs of nodes coincide and are not tied"),
+        (
+            checks.coupling_error <= RIGID_MOTION_TOLERANCE,
+            f"a coupling resists a rigid motion by {checks.coupling_error:.1e}, limit {RIGID_MOTION_TOLERANCE:g}",
+        ),
+        (checks.doubly_dependent == 0, f"{checks.doubly_dependent} freedoms depend on two couplings"),
+        (checks.chained == 0, f"{checks.chained} dependent freedoms are independent in another coupling"),
+        (checks.cracks == 0, f"{checks.cracks} mesh edges on curves are not used as often as their faces say"),
+        (
+            abs(checks.accounted_mass_error) <= MASS_TOLERANCE,
+            f"the mass differs from the solid's by {checks.accounted_mass_error:+.2%} beside the ledger's corners",
+        ),
+    )
+    return replace(checks, failures=tuple(text for holds, text in tests if not holds))
