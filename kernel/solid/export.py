@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import io
+import itertools
+import re
+import uuid
 import zipfile
 from typing import TYPE_CHECKING
 
@@ -52,10 +55,15 @@ def in_fixed_order(vertices: np.ndarray, triangles: np.ndarray) -> tuple[np.ndar
     return np.ascontiguousarray(vertices[order]), turned[np.lexsort(turned.T[::-1])]
 
 
+_UUID = re.compile(rb'UUID="[0-9a-f-]{36}"')
+
+
 def _undated(data: bytes) -> bytes:
-    """The zip archive with its members in the order of their names, without times."""
+    """The zip archive with its members in the order of their names, without times, ids counted, not random."""
+    counter = itertools.count(1)
     out = io.BytesIO()
     with zipfile.ZipFile(io.BytesIO(data)) as archive, zipfile.ZipFile(out, "w", zipfile.ZIP_DEFLATED) as undated:
         for name in sorted(archive.namelist()):
-            undated.writestr(zipfile.ZipInfo(name, _ZIP_DATE), archive.read(name), zipfile.ZIP_DEFLATED)
+            text = _UUID.sub(lambda _: b'UUID="%s"' % str(uuid.UUID(int=next(counter))).encode(), archive.read(name))
+            undated.writestr(zipfile.ZipInfo(name, _ZIP_DATE), text, zipfile.ZIP_DEFLATED)
     return out.getvalue()
