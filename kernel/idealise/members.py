@@ -68,3 +68,5 @@ class Assembly:
     ledger: tuple[LedgerRow, ...] = ()
     curve_uses: NDArray[np.int64] = field(default_factory=lambda: np.empty((0, 3), np.int64))
     warnings: tuple[str, ...] = ()
+    size: float = 0.0
+    """The element size that was used where no segment has one of its own."""

@@ -1,0 +1,181 @@
+"""Joints from the segments' own faces: one surface, opposite sides, patches that overlap.
+
+Touching faces share a canonical surface because the table makes them; where an overlap was cut away from one segment,
+the cut inherited the other's surface. So both are found the same way, without a Boolean of no thickness.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+from shapely import MultiPolygon, Polygon, STRtree
+
+from kernel.connect.joints import Joint
+from kernel.idealise.implicit import project
+from kernel.idealise.sheets import plane_sheet
+from kernel.segment.faces import Faces, faces_of
+from kernel.segment.segments import BeamShape, BrickShape, CylinderShape, PlateShape, Segment
+from kernel.segment.slices import parts_of, slice_polygon
+from kernel.solid.surfaces import CylinderSurface, Plane, Surface, outward
+
+if TYPE_CHECKING:
+    from kernel.solid.evaluate import Evaluated
+
+Array = NDArray[np.float64]
+
+SLIVER_WIDTH = 10.0
+"""Patches narrower than this many tolerances are rounding, no contact."""
+
+END_ON = 0.9
+"""A beam meets a face with its end where the face's normal leans on its axis by more than this cosine."""
+
+
+@dataclass(slots=True, eq=False)
+class _Face:
+    """One side of one surface in one segment; `box` (2, 3) bounds its triangles."""
+
+    segment: int
+    surface: int
+    side: int
+    box: Array
+
+
+def find_joints(segments: Sequence[Segment], evaluated: Evaluated) -> tuple[Joint, ...]:
+    """Every pair of segments that share an area of a surface, once for each surface; ids "j1", "j2" ... in order."""
+    table = evaluated.solid.surfaces
+    faces = [faces_of(segment.solid) for segment in segments]
+    rows = [row for index, of_segment in enumerate(faces) for row in _rows(index, of_segment)]
+    joints: list[Joint] = []
+    found = []
+    for one, other in _facing(rows, 10 * table.tolerance):
+        patch = _patch(faces[one.segment], one).intersection(_patch(faces[other.segment], other))
+        parts = [part for part in parts_of(patch) if part.area > 0.5 * SLIVER_WIDTH * table.tolerance * part.length]
+        if parts:
+            first, second = sorted((one, other), key=lambda row: row.segment)
+            found.append((first, second, parts[0] if len(parts) == 1 else MultiPolygon(parts)))
+    found.sort(key=lambda item: (item[0].segment, item[1].segment, item[0].surface, item[0].side))
+    for first, second, patch in found:
+        surface = table.surfaces[first.surface]
+        centre = _centre(surface, patch)
+        normal = first.side * outward(surface, centre[None])[0]
+        pair = (segments[first.segment], segments[second.segment])
+        joints.append(
+            Joint(
+                id=f"j{len(joints) + 1}",
+                kind=_kind(pair, first.surface, normal, centre),
+                segments=(pair[0].id, pair[1].id),
+                surface=first.surface,
+                area=float(patch.area),
+                patch=patch,
+                centre=centre,
+                normal=normal,
+            )
+        )
+    return tuple(joints)
+
+
+def _rows(index: int, faces: Faces) -> list[_Face]:
+    facets = faces.facets
+    rows = []
+    for surface, side in sorted(faces.areas):
+        corners = facets.vertices[facets.triangles[faces.mask(surface, side)]].reshape(-1, 3)
+        rows.append(_Face(index, surface, side, np.array([corners.min(axis=0), corners.max(axis=0)])))
+    return rows
+
+
+def _facing(rows: list[_Face], slack: float) -> list[tuple[_Face, _Face]]:
+    """Pairs of faces on opposite sides of one surface, of different segments, whose boxes touch."""
+    by_surface: dict[int, tuple[list[_Face], list[_Face]]] = {}
+    for row in rows:
+        by_surface.setdefault(row.surface, ([], []))[0 if row.side > 0 else 1].append(row)
+    pairs = []
+    for surface in sorted(by_surface):
+        above, below = by_surface[surface]
+        if not above or not below:
+            continue
+        spread = np.ptp(np.array([row.box for row in (*above, *below)]).reshape(-1, 3), axis=0)
+        x, y = sorted(np.argsort(spread)[1:].tolist())
+        first, second = STRtree(_boxes(below, x, y)).query(_boxes(above, x, y))
+        for i, j in sorted(zip(first.tolist(), second.tolist())):
+            one, other = above[i], below[j]
+            gap = np.maximum(one.box[0], other.box[0]) - np.minimum(one.box[1], other.box[1])
+            if one.segment != other.segment and (gap <= slack).all():
+                pairs.append((one, other))
+    return pairs
+
+
+def _boxes(rows: list[_Face], x: int, y: int) -> NDArray[np.object_]:
+    box = np.array([row.box for row in rows])
+    return shapely.box(box[:, 0, x], box[:, 0, y], box[:, 1, x], box[:, 1, y])
+
+
+def _patch(faces: Faces, row: _Face) -> Polygon | MultiPolygon:
+    """The face in the surface's own coordinates."""
+    surface = faces.table.surfaces[row.surface]
+    if isinstance(surface, CylinderSurface):
+        return shapely.transform(faces.unrolled(row.surface, row.side), lambda at: at * (surface.radius, 1.0))
+    return faces.polygon(row.surface, row.side)
+
+
+def _centre(surface: Surface, patch: Polygon | MultiPolygon) -> Array:
+    """The patch's centroid in space; a point within it where the centroid is not (rings, bent strips)."""
+    middle = patch.centroid if patch.covers(patch.centroid) else patch.representative_point()
+    if isinstance(surface, Plane):
+        return middle.x * surface.u + middle.y * surface.v + surface.offset * surface.normal
+    assert isinstance(surface, CylinderSurface)
+    axis, angle = surface.axis, middle.x / surface.radius
+    around = np.cos(angle) * axis.x + np.sin(angle) * axis.y
+    return axis.point + surface.radius * around + middle.y * axis.direction
+
+
+# ---------------------------------------------------------------- kinds
+
+
+def _kind(pair: tuple[Segment, Segment], surface: int, normal: Array, centre: Array) -> str:
+    """One of joints.JOINT_KINDS."""
+    beams = [segment.shape for segment in pair if isinstance(segment.shape, BeamShape)]
+    if beams:
+        return "end_on" if any(abs(beam.direction @ normal) > END_ON for beam in beams) else "along"
+    if any(isinstance(segment.shape, BrickShape) for segment in pair):
+        return "face"
+    if any(isinstance(segment.shape, CylinderShape) for segment in pair):
+        return "pipe"
+    return _wall_kind(pair, surface, centre)
+
+
+def _wall_kind(pair: tuple[Segment, Segment], surface: int, centre: Array) -> str:
+    a, b = pair[0].shape, pair[1].shape
+    assert isinstance(a, PlateShape)
+    assert isinstance(b, PlateShape)
+    table = pair[0].solid.surfaces
+    if np.linalg.norm(np.cross(a.normal, b.normal)) < 1e-5:
+        if surface in a.surface_ids and surface in b.surface_ids:
+            return "lap"
+        apart = a.mid_offset - b.mid_offset * float(np.sign(a.normal @ b.normal))
+        return "edge" if abs(apart) <= 10 * table.tolerance else "step"
+    sides = sorted((_sides(pair[0], pair[1], centre), _sides(pair[1], pair[0], centre)))
+    return {(2, 2): "cross", (1, 1): "corner", (0, 1): "corner", (0, 0): "corner"}.get((sides[0], sides[1]), "tee")
+
+
+def _sides(segment: Segment, other: Segment, centre: Array) -> int:
+    """On how many sides of the other plate's slab this plate goes on, next to the contact."""
+    own, across = segment.shape, other.shape
+    assert isinstance(own, PlateShape)
+    assert isinstance(across, PlateShape)
+    table = segment.solid.surfaces
+    here = plane_sheet(own, table)
+    there = plane_sheet(across, table)
+    middle = project(centre[None], (here.surface, there.surface))[0]
+    away = across.normal - own.normal * (across.normal @ own.normal)
+    sine = float(np.linalg.norm(away))
+    away = away / sine
+    # a hair beyond the slab's faces
+    reach = 0.5 * across.thickness / sine + 0.05 * min(own.thickness, across.thickness)
+    section = slice_polygon(segment.solid.facets, own.normal, own.mid_offset, own.u, own.v)
+    points = here.flat(np.array([middle + reach * away, middle - reach * away]))
+    return int(np.count_nonzero(shapely.contains_xy(section, points)))

@@ -1,0 +1,37 @@
+"""Points brought onto one, two or three surfaces at once."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kernel.solid.surfaces import FacetedSurface, Surface, outward, signed_distance
+
+Array = NDArray[np.float64]
+
+_ITERATIONS = 30
+_SINGULAR = 1e-4
+"""Surfaces that meet at less than this angle (radians) say nothing about the position along their tangent."""
+
+
+def project(points: Array, surfaces: Sequence[Surface]) -> Array:
+    """Points (n, 3) moved onto all of `surfaces` (one to three) by Newton steps of least length.
+
+    Where surfaces touch instead of crossing, the position along their common tangent stays as it was.
+    Faceted surfaces are left out of the conditions.
+    """
+    equations = [surface for surface in surfaces if not isinstance(surface, FacetedSurface)]
+    moved = np.array(points, dtype=np.float64).reshape(-1, 3)
+    if not equations or not len(moved):
+        return moved
+    scale = max(float(np.abs(moved).max()), np.finfo(float).tiny)
+    for _ in range(_ITERATIONS):
+        residual = np.stack([signed_distance(surface, moved) for surface in equations], axis=1)
+        jacobian = np.stack([outward(surface, moved) for surface in equations], axis=1)
+        step = np.einsum("nij,nj->ni", np.linalg.pinv(jacobian, rcond=_SINGULAR), residual)
+        moved = moved - step
+        if np.abs(step).max() < 1e-15 * scale:
+            break
+    return moved

@@ -1,0 +1,212 @@
+"""Outlines: the rings in which a solid meets a sheet, put from their facets onto exact carriers, and back to polygons.
+
+A ring comes as points and, for each edge, the surface that trims it there. Edges of one surface make a stretch of one
+carrier; where two stretches meet, their common point is found on the sheet and both surfaces at once.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TypeAlias
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+from shapely import MultiPolygon, Polygon
+
+from kernel.idealise.carriers import Carrier, Circle, Line, Traced
+from kernel.idealise.implicit import project
+from kernel.idealise.intersections import intersection
+from kernel.idealise.sheets import PlaneSheet, Sheet
+from kernel.idealise.topology import Topology
+from kernel.solid.surfaces import CylinderSurface, FacetedSurface, Plane, Surface
+from kernel.solid.table import SurfaceTable
+
+Array = NDArray[np.float64]
+PolygonLike: TypeAlias = Polygon | MultiPolygon
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Stretch:
+    """Part of a carrier from `first` to `last` (3,), walked in the direction that keeps the region on the left.
+
+    start < end: lengths on the carrier; forward: walked from start to end. whole: all of a closed carrier.
+    cuts: whether a vertex stands at `first` and at `last` (not where only the seam of a sheet is).
+    """
+
+    carrier: int
+    start: float
+    end: float
+    forward: bool
+    first: Array
+    last: Array
+    whole: bool = False
+    cuts: tuple[bool, bool] = (True, True)
+
+
+def stretch_between(topology: Topology, number: int, first: Array, last: Array, through: Array) -> Stretch:
+    """The stretch of the carrier from `first` to `last` that passes by `through` (each (3,))."""
+    carrier = topology.carrier(number)
+    a, b, middle = (float(value) for value in carrier.parameters(np.array([first, last, through])))
+    period = carrier.period
+    if period is None:
+        return Stretch(number, min(a, b), max(a, b), a < b, first, last)
+    if (middle - a) % period <= (b - a) % period:
+        return Stretch(number, a, a + (b - a) % period, True, first, last)
+    return Stretch(number, b, b + (a - b) % period, False, first, last)
+
+
+def _breaks(labels: NDArray[np.int64], surfaces: list[Surface]) -> list[int]:
+    """Indices of the edges with which a new stretch begins."""
+    before = np.roll(labels, 1)
+    return [
+        index
+        for index in range(len(labels))
+        if labels[index] != before[index] or isinstance(surfaces[labels[index]], FacetedSurface)
+    ]
+
+
+def trace_ring(
+    topology: Topology, table: SurfaceTable, sheet: Sheet, points: Array, labels: NDArray[np.int64]
+) -> list[Stretch]:
+    """The ring through points (n, 3), whose edge k (to point k+1) is trimmed by the surface labels[k].
+
+    The points need only be near the sheet; edges that shrink to nothing on it are left out.
+    """
+    surfaces = table.surfaces
+    starts = _breaks(labels, surfaces)
+    if not starts:
+        return [_whole_ring(topology, surfaces, sheet, points, int(labels[0]))]
+    n = len(points)
+    corners: list[Array] = []
+    guides: list[Array] = []
+    for position, begin in enumerate(starts):
+        end = starts[(position + 1) % len(starts)]
+        count = (end - begin) % n or n
+        guides.append(points[(begin + np.arange(count + 1)) % n])
+        met = (surfaces[labels[begin - 1]], surfaces[labels[begin]])
+        corners.append(_corner(sheet, met, points[begin], _reach(points, begin)))
+    ring = []
+    for position, begin in enumerate(starts):
+        first, last = corners[position], corners[(position + 1) % len(corners)]
+        guide = guides[position]
+        if np.linalg.norm(last - first) <= topology.tolerance and len(guide) == 2:
+            continue
+        straight = isinstance(sheet, PlaneSheet)
+        own = project(guide, (sheet.surface,)) if isinstance(surfaces[labels[begin]], FacetedSurface) else guide
+        number = intersection(topology.carriers, surfaces, sheet.surface_id, int(labels[begin]), own, straight=straight)
+        middle = guide[len(guide) // 2] if len(guide) > 2 else 0.5 * (guide[0] + guide[1])
+        ring.append(stretch_between(topology, number, first, last, middle))
+    return ring
+
+
+def _reach(points: Array, index: int) -> float:
+    """Length of the longer of the two edges at a point of the ring."""
+    here = points[index]
+    following = points[(index + 1) % len(points)]
+    return float(max(np.linalg.norm(points[index - 1] - here), np.linalg.norm(following - here)))
+
+
+def _corner(sheet: Sheet, met: tuple[Surface, Surface], point: Array, reach: float) -> Array:
+    """Where the sheet and two trimming surfaces meet, near `point`; the point itself where they do not cross there."""
+    found = project(point[None], (sheet.surface, *met))[0]
+    if np.linalg.norm(found - point) > 2 * reach:
+        return project(point[None], (sheet.surface,))[0]
+    return found
+
+
+def _whole_ring(topology: Topology, surfaces: list[Surface], sheet: Sheet, points: Array, label: int) -> Stretch:
+    """A ring that is trimmed by one surface all round: all of a closed carrier."""
+    number = intersection(topology.carriers, surfaces, sheet.surface_id, label, points)
+    carrier = topology.carrier(number)
+    values = carrier.parameters(points[:3])
+    period = carrier.period
+    assert period is not None
+    forward = (values[1] - values[0]) % period < (values[0] - values[1]) % period
+    first = carrier.at(np.zeros(1))[0]
+    return Stretch(number, 0.0, period, bool(forward), first, first, whole=True)
+
+
+def polyline(topology: Topology, stretch: Stretch) -> Array:
+    """Points (n, 3) along the stretch, in its direction, dense enough to show its curve."""
+    carrier = topology.carrier(stretch.carrier)
+    values = np.concatenate([[stretch.start], carrier.breaks(stretch.start, stretch.end), [stretch.end]])
+    points = carrier.at(values)
+    if not stretch.forward:
+        points = points[::-1]
+    points = points.copy()
+    points[0], points[-1] = stretch.first, stretch.last
+    if stretch.whole:
+        points[0] = points[-1] = carrier.at(np.zeros(1))[0]
+    return points
+
+
+def unwrapped(sheet: Sheet, points: Array) -> Array:
+    """The points of a line (n, 3) in the sheet's coordinates, without jumps where it crosses the seam."""
+    flat = sheet.flat(points)
+    if sheet.period is not None:
+        turns = np.round(np.diff(flat[:, 0]) / sheet.period)
+        flat[1:, 0] -= sheet.period * np.cumsum(turns)
+    return flat
+
+
+def ring_points(topology: Topology, sheet: Sheet, ring: list[Stretch]) -> Array:
+    """The ring as a closed line (n, 2), last point as the first; one that winds ends a period further on."""
+    pieces = [polyline(topology, stretch) for stretch in ring]
+    joined = np.vstack([piece[:-1] for piece in pieces] + [pieces[-1][-1:]])
+    return unwrapped(sheet, joined)
+
+
+def domain(topology: Topology, sheet: Sheet, rings: list[list[Stretch]]) -> PolygonLike:
+    """What the rings enclose, in the sheet's coordinates; a closed cylinder's is cut open at x = 0."""
+    lines = [ring_points(topology, sheet, ring) for ring in rings]
+    if sheet.period is None:
+        return even_odd([line for line in lines if len(line) > 3])
+    period = sheet.period
+    low = min(float(line[:, 1].min()) for line in lines)
+    high = max(float(line[:, 1].max()) for line in lines)
+    window = shapely.box(0.0, low - period, period, high + period)
+    copies = [shapely.LineString(line + (k * period, 0.0)) for line in lines for k in (-2, -1, 0, 1, 2)]
+    cut = shapely.intersection(shapely.union_all(copies), window)
+    cells = shapely.polygonize(list(shapely.get_parts(shapely.union_all([cut, window.boundary]))))
+    kept = []
+    for cell in shapely.get_parts(cells):
+        inner = cell.representative_point()
+        below = shapely.LineString([(inner.x, low - 2 * period), (inner.x, inner.y)])
+        if len(shapely.get_parts(below.intersection(cut))) % 2:
+            kept.append(cell)
+    return shapely.union_all(kept) if kept else Polygon()
+
+
+def even_odd(lines: list[Array]) -> PolygonLike:
+    """Polygon of closed lines (n, 2) that do not cross: outer rings less their holes, islands in holes included."""
+    result: PolygonLike = Polygon()
+    for line in lines:
+        polygon = Polygon(line)
+        if not polygon.is_valid:
+            polygon = polygon.buffer(0)
+        result = result.symmetric_difference(polygon)
+    return result
+
+
+def transversal(sheet: Sheet, carrier: Carrier) -> tuple[Surface, ...]:
+    """A surface that cuts the sheet across in the carrier, which lies on the sheet."""
+    if isinstance(carrier, Traced):
+        others = tuple(surface for surface in carrier.surfaces if surface is not sheet.surface)
+        return tuple(surface for surface in others if not isinstance(surface, FacetedSurface))
+    if isinstance(carrier, Line):
+        normal = np.cross(sheet.normals(carrier.point[None])[0], carrier.direction)
+        normal = normal / np.linalg.norm(normal)
+        return (Plane(normal, float(normal @ carrier.point), carrier.direction, np.cross(normal, carrier.direction)),)
+    assert isinstance(carrier, Circle)
+    if isinstance(sheet, PlaneSheet):
+        from kernel.solid.surfaces import Axis
+
+        axis = Axis(carrier.centre, carrier.normal, carrier.x, carrier.y)
+        return (CylinderSurface(axis, -1, carrier.radius),)
+    return (Plane(carrier.normal, float(carrier.normal @ carrier.centre), carrier.x, carrier.y),)
+
+
+def meeting_point(sheet: Sheet, one: Carrier, other: Carrier, near: Array) -> Array:
+    """The common point of two carriers of a sheet next to `near` (3,)."""
+    return project(near[None], (sheet.surface, *transversal(sheet, one), *transversal(sheet, other)))[0]

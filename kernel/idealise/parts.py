@@ -1,0 +1,58 @@
+"""The idealised parts of a model, while they are joined and meshed."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+from kernel.connect.joints import Joint
+from kernel.idealise.beam import Beam
+from kernel.idealise.topology import Topology
+from kernel.idealise.walls import Crossing, Wall
+from kernel.segment.segments import Segment
+
+
+@dataclass(slots=True, eq=False)
+class Parts:
+    """walls, beams: by segment id, in the order of the segments. warnings: one line each."""
+
+    topology: Topology
+    segments: dict[str, Segment]
+    joints: tuple[Joint, ...]
+    walls: dict[str, Wall] = field(default_factory=dict)
+    beams: dict[str, Beam] = field(default_factory=dict)
+    crossings: list[Crossing] = field(default_factory=list)
+    warnings: list[str] = field(default_factory=list)
+
+    def neighbours(self) -> dict[str, list[str]]:
+        """Ids of the segments that each segment touches, in order."""
+        found: dict[str, set[str]] = {name: set() for name in self.segments}
+        for joint in self.joints:
+            a, b = joint.segments
+            found[a].add(b)
+            found[b].add(a)
+        order = {name: position for position, name in enumerate(self.segments)}
+        return {name: sorted(others, key=lambda other: order[other]) for name, others in found.items()}
+
+    def surroundings(self, crossings: Sequence[Crossing]) -> dict[int, list[Segment]]:
+        """By wall index: the segments around a wall and around those that it crosses, whose boxes reach its own."""
+        neighbours = self.neighbours()
+        order = {name: position for position, name in enumerate(self.segments)}
+        around: dict[int, set[str]] = {}
+        for crossing in crossings:
+            for wall in crossing.walls:
+                names = around.setdefault(wall.index, set())
+                names.update(neighbours[wall.segment.id], neighbours[crossing.other(wall).segment.id])
+        result: dict[int, list[Segment]] = {}
+        walls = {wall.index: wall for wall in self.walls.values()}
+        for index, names in around.items():
+            own = walls[index].segment
+            reach = max(walls[c.other(walls[index]).index].thickness for c in crossings if walls[index] in c.walls)
+            low, high = own.solid.bounds[0] - 2 * reach, own.solid.bounds[1] + 2 * reach
+            result[index] = [
+                self.segments[name]
+                for name in sorted(names - {own.id}, key=lambda name: order[name])
+                if (self.segments[name].solid.bounds[0] <= high).all()
+                and (self.segments[name].solid.bounds[1] >= low).all()
+            ]
+        return result

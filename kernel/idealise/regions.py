@@ -1,0 +1,283 @@
+"""Regions: what of its sheet each wall covers once walls that cross are carried on, or cut back, to where they meet.
+
+In the wall's own flat frame, with strips for the slabs of the walls that it crosses:
+
+    +-----------+--:--+        own section, strip, and the joint curve ":" amid the strip
+    |           |  :  |
+    |    own    |  :  |        cells = own and strips, within the material, cut along the joint curves
+    |           |  :  |        a cell that holds nothing of the wall outside the strips, and ends elsewhere
+    +-----------+--:--+        than on joint curves, goes; so a corner ends on the curve, whoever owned it
+
+Polygons are for combinatorics only: every edge of the result is put back on its carrier.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+from shapely import LineString, Polygon
+
+from kernel.idealise.carriers import Line
+from kernel.idealise.outlines import PolygonLike, Stretch, domain, meeting_point, stretch_between, unwrapped
+from kernel.idealise.sheets import PlaneSheet, Sheet
+from kernel.idealise.topology import Topology
+from kernel.idealise.walls import (
+    CURVED_OVERLAP,
+    Crossing,
+    Wall,
+    samples,
+    section_outline,
+    slab_edges,
+    whole_range,
+    windowed,
+)
+from kernel.segment.segments import Segment
+from kernel.segment.slices import parts_of
+
+Array = NDArray[np.float64]
+
+GRID = 1e-7
+"""Polygons are rounded to this share of the model's size while they are combined."""
+
+ON_CARRIER = 3e-6
+"""An edge nearer than this share of the model's size to a carrier lies on it."""
+
+CUT_BEYOND = 0.2
+"""Joint curves cut the cells this share of half the slab beyond their ends, so that ends never fall short."""
+
+HELD = 1e-3
+"""A cell holds part of the wall when it has this share of its area (or of the thickness squared) outside strips."""
+
+FREE = 0.3
+"""A cell that holds nothing goes when more than this share of its outline is no joint curve."""
+
+CRUMB = 0.02
+"""Islands smaller than this share of the region are joint material of others."""
+
+
+def join_walls(
+    topology: Topology, walls: Sequence[Wall], crossings: Sequence[Crossing], nearby: dict[int, list[Segment]]
+) -> None:
+    """Set region and outline of every wall that crosses others. nearby: by wall index, the segments around it."""
+    by_wall: dict[int, list[Crossing]] = {}
+    for crossing in crossings:
+        for wall in crossing.walls:
+            by_wall.setdefault(wall.index, []).append(crossing)
+    for wall in walls:
+        if wall.index in by_wall:
+            region = _region(topology, wall, by_wall[wall.index], nearby[wall.index])
+            wall.outline = _outline(topology, wall, region, {c.carrier for c in by_wall[wall.index]})
+            wall.region = region
+
+
+def _strip(topology: Topology, wall: Wall, crossing: Crossing, start: float, end: float) -> PolygonLike:
+    """The other wall's slab in this wall's sheet, along a stretch of the joint curve."""
+    carrier = topology.carrier(crossing.carrier)
+    other = crossing.other(wall)
+    margin = 0.0 if isinstance(carrier, Line) else CURVED_OVERLAP * min(wall.thickness, other.thickness)
+    if carrier.period is not None and end - start >= carrier.period - topology.tolerance:
+        middle = 0.5 * (start + end)
+        halves = [_strip(topology, wall, crossing, a, b) for a, b in ((start, middle), (middle, end))]
+        return shapely.union_all(halves)
+    curve = samples(topology, carrier, start, end)
+    sides = [unwrapped(wall.sheet, side) for side in slab_edges(wall, other, curve, margin)]
+    if wall.sheet.period is not None:
+        sides[1] = sides[1] + (wall.sheet.period * np.round((sides[0][0, 0] - sides[1][0, 0]) / wall.sheet.period), 0.0)
+    polygon = Polygon(np.vstack([sides[0], sides[1][::-1]]))
+    return windowed(wall.sheet, polygon if polygon.is_valid else polygon.buffer(0))
+
+
+def _region(topology: Topology, wall: Wall, crossings: list[Crossing], nearby: list[Segment]) -> PolygonLike:
+    size = topology.carriers.reach
+    grid = GRID * size
+    strips, slabs, cuts = [], [], []
+    for crossing in crossings:
+        carrier = topology.carrier(crossing.carrier)
+        other = crossing.other(wall)
+        strips += [_strip(topology, wall, crossing, *ends) for ends in crossing.reach[wall.index]]
+        slabs.append(_strip(topology, wall, crossing, *whole_range(topology, carrier, wall.segment.solid.bounds)))
+        beyond = CUT_BEYOND * 0.5 * other.thickness
+        for intervals in crossing.reach.values():
+            for start, end in intervals:
+                is_all = carrier.period is not None and end - start >= carrier.period - topology.tolerance
+                more = 0.0 if is_all else beyond
+                curve = samples(topology, carrier, start - more, end + more)
+                cuts.append(windowed(wall.sheet, LineString(unwrapped(wall.sheet, curve))))
+    own = _without_dust(wall.own, shapely.union_all(slabs))
+    held = own.difference(shapely.union_all(strips)) if strips else own
+    material = shapely.union_all([wall.own, *_material(topology, wall, nearby)], grid_size=grid)
+    grown = shapely.intersection(shapely.union_all([own, *strips], grid_size=grid), material, grid_size=grid)
+    grown = shapely.union_all(parts_of(grown))
+    curves = shapely.union_all(cuts)
+    lines = shapely.union_all([grown.boundary, curves], grid_size=grid)
+    near_curves = curves.buffer(20 * grid)
+    kept = []
+    for cell in parts_of(shapely.polygonize(list(shapely.get_parts(lines)))):
+        if not grown.contains(cell.representative_point()):
+            continue
+        holds = cell.intersection(held).area > HELD * min(cell.area, wall.thickness**2)
+        if holds or cell.boundary.difference(near_curves).length < FREE * cell.boundary.length:
+            kept.append(cell)
+    region = shapely.union_all(kept, grid_size=grid)
+    return shapely.union_all([part for part in parts_of(region) if part.area >= CRUMB * region.area])
+
+
+def _without_dust(own: PolygonLike, slabs: PolygonLike) -> PolygonLike:
+    """The section less its islands within other walls' slabs: corner posts that this wall happened to win."""
+    parts = parts_of(own)
+    if len(parts) < 2:
+        return own
+    kept = [part for part in parts if part.difference(slabs).area > 0.2 * part.area]
+    return shapely.union_all(kept) if kept else own
+
+
+def _material(topology: Topology, wall: Wall, nearby: list[Segment]) -> list[PolygonLike]:
+    """Sections of the segments around the wall in its sheet; their carriers become known to it."""
+    found: list[PolygonLike] = []
+    for segment in nearby:
+        rings = section_outline(topology, segment.solid, wall.sheet)
+        if rings:
+            found.append(domain(topology, wall.sheet, rings))
+            wall.known = sorted({*wall.known, *(stretch.carrier for ring in rings for stretch in ring)})
+    return found
+
+
+# ---------------------------------------------------------------- polygons back onto carriers
+
+
+def _outline(topology: Topology, wall: Wall, region: PolygonLike, joint_carriers: set[int]) -> list[Stretch]:
+    """The region's outline as stretches of carriers, the region on their left."""
+    lines = {number: _drawn(topology, wall.sheet, number, region) for number in sorted(set(wall.known))}
+    lines = {number: line for number, line in lines.items() if line is not None}
+    outline: list[Stretch] = []
+    for polygon in parts_of(region):
+        polygon = shapely.geometry.polygon.orient(polygon)
+        for ring in (polygon.exterior, *polygon.interiors):
+            outline += _ring_outline(topology, wall.sheet, np.asarray(ring.coords)[:, :2], lines, joint_carriers)
+    return outline
+
+
+def _drawn(topology: Topology, sheet: Sheet, number: int, region: PolygonLike) -> shapely.Geometry | None:
+    """A carrier as a line in the sheet's frame, near the region; None where it stays away from it."""
+    carrier = topology.carrier(number)
+    left, low, right, high = region.bounds
+    corners = sheet.lift(np.array([[left, low], [right, low], [left, high], [right, high]]))
+    start, end = whole_range(topology, carrier, corners)
+    points = samples(topology, carrier, start, end)
+    line = windowed(sheet, LineString(unwrapped(sheet, points)))
+    reach = ON_CARRIER * topology.carriers.reach
+    return line if line.intersects(shapely.box(left - reach, low - reach, right + reach, high + reach)) else None
+
+
+def _ring_outline(
+    topology: Topology, sheet: Sheet, points: Array, lines: dict[int, shapely.Geometry], preferred: set[int]
+) -> list[Stretch]:
+    size = topology.carriers.reach
+    points = _without_specks(points, 3 * topology.tolerance)
+    if len(points) < 4:
+        return []
+    labels = _labels(topology, sheet, points, lines, preferred, ON_CARRIER * size)
+    n = len(labels)
+    begins = [k for k in range(n) if labels[k] != labels[k - 1]]
+    if not begins:
+        begins = [0]
+    runs = [(begin, (begins[(k + 1) % len(begins)] - begin) % n or n) for k, begin in enumerate(begins)]
+    space = sheet.lift(points[:-1])
+    if len(runs) == 1 and labels[0] is not None and topology.carrier(labels[0]).period is not None:
+        return [_full_turn(topology, sheet, labels[0], space)]
+    corners = []
+    for begin, _ in runs:
+        before, after = labels[begin - 1], labels[begin]
+        here = space[begin]
+        if before is not None and after is not None and before != after:
+            found = meeting_point(sheet, topology.carrier(before), topology.carrier(after), here)
+            here = found if np.linalg.norm(found - here) <= 30 * topology.tolerance else here
+        corners.append(here)
+    stretches = []
+    for position, (begin, count) in enumerate(runs):
+        label = labels[begin]
+        if label is None:
+            continue  # the seam
+        first, last = corners[position], corners[(position + 1) % len(corners)]
+        inner = space[(begin + count // 2) % n] if count > 1 else 0.5 * (first + last)
+        stretch = stretch_between(topology, label, first, last, inner)
+        before = labels[begin - 1]
+        after = labels[(begin + count) % n]
+        stretches.append(
+            Stretch(
+                stretch.carrier,
+                stretch.start,
+                stretch.end,
+                stretch.forward,
+                first,
+                last,
+                cuts=(before is not None, after is not None),
+            )
+        )
+    return stretches
+
+
+def _without_specks(points: Array, shortest: float) -> Array:
+    """A closed line (n, 2) less points that are nearer than `shortest` to the one before."""
+    kept = [points[0]]
+    for point in points[1:-1]:
+        if np.linalg.norm(point - kept[-1]) > shortest:
+            kept.append(point)
+    if len(kept) > 1 and np.linalg.norm(kept[-1] - kept[0]) <= shortest:
+        kept.pop()
+    return np.array([*kept, kept[0]])
+
+
+def _labels(
+    topology: Topology,
+    sheet: Sheet,
+    points: Array,
+    lines: dict[int, shapely.Geometry],
+    preferred: set[int],
+    reach: float,
+) -> list[int | None]:
+    """The carrier of each edge; None for edges on the seam of a closed sheet."""
+    corner, middle = shapely.points(points[:-1]), shapely.points(0.5 * (points[:-1] + points[1:]))
+    best = np.full(len(points) - 1, np.inf)
+    labels: list[int | None] = [None] * len(best)
+    for number, line in lines.items():
+        at_corner = shapely.distance(corner, line)
+        away = np.maximum(np.maximum(at_corner, np.roll(at_corner, -1)), shapely.distance(middle, line))
+        rank = away - (0.5 * reach if number in preferred else 0.0)
+        for k in np.nonzero((away <= reach) & (rank < best))[0]:
+            best[k], labels[k] = rank[k], number
+    for k in np.nonzero(np.isinf(best))[0]:
+        a, b = points[k], points[k + 1]
+        if sheet.period is not None and abs(a[0] - b[0]) < reach and (a[0] < reach or a[0] > sheet.period - reach):
+            continue
+        labels[k] = _own_carrier(topology, sheet, a, b)
+    return labels
+
+
+def _own_carrier(topology: Topology, sheet: Sheet, a: Array, b: Array) -> int:
+    """A carrier for an edge that lies on none: straight in the sheet's frame."""
+    if isinstance(sheet, PlaneSheet):
+        ends = sheet.lift(np.array([a, b]))
+        return topology.carriers.line(ends[0], ends[1] - ends[0])
+    size = topology.carriers.reach
+    ends = sheet.lift(np.array([a, b]))
+    if abs(a[0] - b[0]) < ON_CARRIER * size:
+        return topology.carriers.line(ends[0], sheet.axis.direction)
+    if abs(a[1] - b[1]) < ON_CARRIER * size:
+        height = sheet.axis.direction * (0.5 * (a[1] + b[1]))
+        return topology.carriers.circle(sheet.axis.point + height, sheet.axis.direction, sheet.radius)
+    guide = sheet.lift(a + np.linspace(0, 1, 17)[:, None] * (b - a))
+    return topology.carriers.traced((sheet.surface_id,), (sheet.surface,), guide, is_closed=False)
+
+
+def _full_turn(topology: Topology, sheet: Sheet, number: int, points: Array) -> Stretch:
+    carrier = topology.carrier(number)
+    period = carrier.period
+    assert period is not None
+    values = carrier.parameters(points[:2])
+    forward = bool((values[1] - values[0]) % period < (values[0] - values[1]) % period)
+    first = carrier.at(np.zeros(1))[0]
+    return Stretch(number, 0.0, period, forward, first, first, whole=True)

@@ -1,0 +1,143 @@
+"""One topology for the model: vertices, carriers, and curves that know the faces they bound or are imprinted on.
+
+Faces lay spans on carriers. All spans of a carrier are cut at all of its cuts, and what lies between two neighbouring
+cuts is one curve for every face that covers it; where a face has a boundary and an imprint on the same piece, the
+boundary counts.
+
+    carrier   ----+--------+-----+------------+----
+    face a        |<---- boundary span ------>|
+    face b                 |<-- imprint ----------->
+    curves        |   a    | a,b |    a,b     | b
+"""
+
+from __future__ import annotations
+
+import itertools
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kernel.idealise.carriers import Carrier, CarrierTable, VertexTable
+
+Array = NDArray[np.float64]
+
+BOUNDARY = "boundary"
+IMPRINT = "imprint"
+
+
+@dataclass(frozen=True, slots=True)
+class Span:
+    """A stretch start < end (lengths on the carrier) that a face covers.
+
+    forward: whether the face lies on the left when walking it towards `end`. In a `whole` span the carrier closes
+    and all of it is covered.
+    """
+
+    face: int
+    start: float
+    end: float
+    role: str
+    forward: bool
+    whole: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Use:
+    """How a face uses a curve."""
+
+    role: str
+    forward: bool
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Curve:
+    """Piece of a carrier between two vertices. start < end; on a closed carrier `end` may exceed the period."""
+
+    carrier: int
+    start: float
+    end: float
+    vertices: tuple[int, int]
+    uses: dict[int, Use]
+
+    @property
+    def length(self) -> float:
+        """Length (of the guide, for a traced carrier)."""
+        return self.end - self.start
+
+
+class Topology:
+    """Collects spans and cuts; `curves` then gives the curves."""
+
+    def __init__(self, tolerance: float, reach: float) -> None:
+        self.tolerance = tolerance
+        self.carriers = CarrierTable(tolerance, reach)
+        self.vertices = VertexTable(tolerance)
+        self._spans: dict[int, list[Span]] = {}
+        self._cuts: dict[int, list[tuple[float, Array]]] = {}
+
+    def carrier(self, index: int) -> Carrier:
+        """The carrier of that index."""
+        return self.carriers[index]
+
+    def spans(self, carrier: int) -> list[Span]:
+        """What lies on the carrier so far."""
+        return self._spans.get(carrier, [])
+
+    def add_span(self, carrier: int, span: Span, ends: tuple[Array | None, Array | None] = (None, None)) -> None:
+        """Lay a span. ends: the exact points of its start and end, which become cuts; None for no cut there."""
+        self._spans.setdefault(carrier, []).append(span)
+        for value, point in zip((span.start, span.end), ends):
+            if point is not None:
+                self.cut(carrier, value, point)
+
+    def cut(self, carrier: int, parameter: float, point: Array) -> None:
+        """A vertex on the carrier."""
+        period = self.carriers[carrier].period
+        self._cuts.setdefault(carrier, []).append((parameter % period if period else parameter, point))
+
+    def curves(self) -> list[Curve]:
+        """All curves that some face uses, in the order of the carriers and along each."""
+        found: list[Curve] = []
+        for carrier in sorted(self._spans):
+            found += self._curves_on(carrier)
+        return found
+
+    def _curves_on(self, index: int) -> list[Curve]:
+        carrier = self.carriers[index]
+        spans = self._spans[index]
+        period = carrier.period
+        cuts: list[tuple[float, Array]] = []
+        for value, point in sorted(self._cuts.get(index, []), key=lambda cut: cut[0]):
+            if not cuts or value - cuts[-1][0] > self.tolerance:
+                cuts.append((value, point))
+        if period and len(cuts) > 1 and cuts[0][0] + period - cuts[-1][0] <= self.tolerance:
+            cuts.pop()
+        if period:
+            # A closed carrier needs two vertices, or its curve would be a loop without ends.
+            if not cuts:
+                cuts = [(0.0, carrier.at(np.zeros(1))[0])]
+            if len(cuts) == 1:
+                opposite = cuts[0][0] + period / 2
+                cuts.append((opposite, carrier.at(np.array([opposite]))[0]))
+            cuts.append((cuts[0][0] + period, cuts[0][1]))
+        found = []
+        for (start, first), (end, second) in itertools.pairwise(cuts):
+            uses = self._uses(spans, start, end, period)
+            if uses:
+                ends = (self.vertices.add(first), self.vertices.add(second))
+                if ends[0] != ends[1]:
+                    found.append(Curve(index, start, end, ends, uses))
+        return found
+
+    @staticmethod
+    def _uses(spans: list[Span], start: float, end: float, period: float | None) -> dict[int, Use]:
+        middle = 0.5 * (start + end)
+        shifts = (0.0, period, -period) if period else (0.0,)
+        uses: dict[int, Use] = {}
+        for span in spans:
+            covers = span.whole or any(span.start <= middle + shift <= span.end for shift in shifts)
+            known = uses.get(span.face)
+            if covers and (known is None or (known.role == IMPRINT and span.role == BOUNDARY)):
+                uses[span.face] = Use(span.role, span.forward)
+        return uses

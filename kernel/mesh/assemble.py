@@ -1,0 +1,145 @@
+"""From segments to one mesh: mid-surfaces joined, curves seeded once, faces, beams and bricks meshed on them.
+
+walls -> crossings -> regions -> outlines and imprints -> curves -> seeds -> faces -> bricks, beams -> ties
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from kernel.connect.joints import Joint
+from kernel.idealise.beam import make_beam
+from kernel.idealise.imprints import crossing_candidates, imprint, lay_outlines, outline_candidates
+from kernel.idealise.ledger import volume_ledger
+from kernel.idealise.members import Assembly
+from kernel.idealise.parts import Parts
+from kernel.idealise.regions import join_walls
+from kernel.idealise.topology import BOUNDARY, Topology
+from kernel.idealise.walls import find_crossings, make_wall
+from kernel.mesh.beams import mesh_beams
+from kernel.mesh.faces import FaceMesh, SeededCurve, mesh_face, seed_curves
+from kernel.mesh.mesh import ElementBlock, Mesh
+from kernel.mesh.nodes import NodeTable
+from kernel.mesh.options import MeshOptions
+from kernel.mesh.size_field import automatic_size
+from kernel.segment.segments import Segment
+from kernel.units import VERTEX_TOLERANCE
+
+if TYPE_CHECKING:
+    from kernel.solid.evaluate import Evaluated
+
+Progress = Callable[[str, float], None]
+
+
+def _silent(stage: str, share: float) -> None:
+    """Progress that nobody asked for."""
+
+
+def assemble(
+    evaluated: Evaluated,
+    segments: Sequence[Segment],
+    joints: Sequence[Joint],
+    options: MeshOptions,
+    progress: Progress | None = None,
+) -> Assembly:
+    """Mesh every segment, those that share a curve with shared nodes, and say what must be tied.
+
+    progress: called with the stage or segment and the share done (0..1). MeshError or ConnectError, naming the
+    segments, where something cannot be done.
+    """
+    report = progress or _silent
+    size = options.size or automatic_size(segments, evaluated.size)
+    parts = idealise(segments, joints, evaluated.size)
+    report("idealised", 0.2)
+    nodes = NodeTable()
+    sizes = {segment.id: _size_of(segment, options, size) for segment in segments}
+    curves = seed_curves(
+        parts.topology,
+        parts.topology.curves(),
+        {wall.index: sizes[wall.segment.id] for wall in parts.walls.values()},
+        nodes,
+    )
+    blocks: dict[str, list[ElementBlock]] = {segment.id: [] for segment in segments}
+    faces = _mesh_faces(parts, curves, sizes, options.faces, nodes, report)
+    for name, face in faces.items():
+        blocks[name] += _blocks(name, face)
+    for name, block in mesh_beams(parts, curves, sizes, nodes).items():
+        blocks[name].append(block)
+    report("meshed", 1.0)
+    return Assembly(
+        segments=tuple(segments),
+        joints=tuple(joints),
+        mesh=Mesh(nodes.points, tuple(block for segment in segments for block in blocks[segment.id])),
+        sections={name: beam.section for name, beam in parts.beams.items()},
+        ties=(),
+        ledger=volume_ledger(parts, joints),
+        curve_uses=_curve_uses(curves),
+        warnings=tuple(parts.warnings),
+        size=size,
+    )
+
+
+def idealise(segments: Sequence[Segment], joints: Sequence[Joint], size: float) -> Parts:
+    """Walls joined to one topology with all their imprints, beams with their axes. size: the model's."""
+    topology = Topology(VERTEX_TOLERANCE * size, size)
+    parts = Parts(topology, {segment.id: segment for segment in segments}, tuple(joints))
+    for segment in segments:
+        if segment.type in ("plate", "cylinder_plate"):
+            parts.walls[segment.id] = make_wall(topology, len(parts.walls), segment)
+        elif segment.type == "beam":
+            parts.beams[segment.id] = make_beam(segment)
+    walls = list(parts.walls.values())
+    crossings = find_crossings(topology, walls, joints)
+    join_walls(topology, walls, crossings, parts.surroundings(crossings))
+    lay_outlines(topology, walls)
+    imprint(topology, [*crossing_candidates(topology, crossings), *outline_candidates(topology, walls, joints)])
+    parts.crossings = crossings
+    return parts
+
+
+def _size_of(segment: Segment, options: MeshOptions, size: float) -> float:
+    """The size that the user asked for in this segment, or the model's."""
+    for name in (segment.id, segment.node, segment.name):
+        if name is not None and name in options.segment_sizes:
+            return options.segment_sizes[name]
+    return size
+
+
+def _mesh_faces(
+    parts: Parts,
+    curves: Sequence[SeededCurve],
+    sizes: dict[str, float],
+    kind: str,
+    nodes: NodeTable,
+    report: Progress,
+) -> dict[str, FaceMesh]:
+    by_face: dict[int, list[SeededCurve]] = {}
+    for seeded in curves:
+        for face in seeded.curve.uses:
+            by_face.setdefault(face, []).append(seeded)
+    faces = {}
+    for name, wall in parts.walls.items():
+        label = f"{name} ({wall.segment.node})"
+        faces[name] = mesh_face(label, wall.index, wall.sheet, by_face[wall.index], sizes[name], kind, nodes)
+        report(name, 0.2 + 0.6 * (wall.index + 1) / len(parts.walls))
+    return faces
+
+
+def _blocks(name: str, face: FaceMesh) -> list[ElementBlock]:
+    found = []
+    if len(face.quads):
+        found.append(ElementBlock(name, "quad4", face.quads))
+    if len(face.triangles):
+        found.append(ElementBlock(name, "tri3", face.triangles))
+    return found
+
+
+def _curve_uses(curves: Sequence[SeededCurve]) -> np.ndarray:
+    rows = []
+    for seeded in curves:
+        expected = sum(1 if use.role == BOUNDARY else 2 for use in seeded.curve.uses.values())
+        rows += [(a, b, expected) for a, b in zip(seeded.nodes[:-1].tolist(), seeded.nodes[1:].tolist())]
+    return np.array(rows, dtype=np.int64).reshape(-1, 3)
