@@ -16,21 +16,14 @@ import shapely
 from kernel.facts import Facts, Value
 from kernel.segment.operands import leaf_count, operands_of, tools_of
 from kernel.segment.slices import smallest_rectangle
+from kernel.segment.supports import free_length
 from kernel.solid.surfaces import plane_frame
 
 if TYPE_CHECKING:
     from kernel.segment.pieces import Piece
-    from kernel.segment.prism import Prism
-    from kernel.solid.solid import Solid
 
 FACT_DIGITS = 6
 """Significant digits of a measured fact: what six-digit input can tell apart."""
-
-SEAM_SHARE = 0.5
-"""A contact along more than this share of a member's length is a seam, no support."""
-
-SUPPORT_DEPTH = 0.5
-"""A contact along less than this share of the section's longer side is an attachment (a rung on a rail), no support."""
 
 
 def intent(piece: Piece) -> Facts:
@@ -88,7 +81,7 @@ def prism(piece: Piece) -> dict[str, Value]:
         {
             "is_prismatic": measured.sweep.is_exact,
             "prism_length": measured.sweep.length,
-            "free_length": free_length(piece.solid, measured, piece.neighbours),
+            "free_length": free_length(piece.solid, measured, tuple(other.solid for other in piece.neighbours)),
             "section_long": measured.long_side,
             "section_short": measured.short_side,
             "section_area": measured.area,
@@ -99,32 +92,6 @@ def prism(piece: Piece) -> dict[str, Value]:
             "worst_section_off": measured.worst_section_off,
         }
     )
-
-
-def free_length(solid: Solid, measured: Prism, neighbours: tuple[Piece, ...]) -> float:
-    """Longest length along the prism between supports: contacts that are neither seams nor mere attachments.
-
-    A contact is taken from the boxes of the two in the member's own frame.
-    """
-    sweep = measured.sweep
-    axes = np.stack([*plane_frame(sweep.direction)], axis=1)
-    own = solid.facets.vertices @ axes
-    low, high = own.min(axis=0), own.max(axis=0)
-    slack = solid.surfaces.tolerance * 10.0
-    shortest, longest = SUPPORT_DEPTH * measured.long_side - slack, SEAM_SHARE * sweep.length
-    supports: list[tuple[float, float]] = []
-    for neighbour in neighbours:
-        other = neighbour.solid.facets.vertices @ axes
-        start, end = np.maximum(low, other.min(axis=0)), np.minimum(high, other.max(axis=0))
-        at_an_end = start[2] < sweep.start + slack or end[2] > sweep.end - slack
-        is_support = at_an_end or end[2] - start[2] > shortest
-        if np.all(end - start > -slack) and is_support and end[2] - start[2] < longest:
-            supports.append((float(start[2]), float(end[2])))
-    free, reached = 0.0, sweep.start
-    for first, last in [*sorted(supports), (sweep.end, sweep.end)]:
-        free = max(free, first - reached)
-        reached = max(reached, last)
-    return free
 
 
 def walls(piece: Piece) -> dict[str, Value]:

@@ -13,7 +13,7 @@ thicknesses wide does not fit between them. KEPT_SHARE keeps an egg-crate from b
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -116,7 +116,7 @@ def opening(region: Region, width: float) -> Region:
 
 def find_walls(faces: Faces) -> tuple[Wall, ...]:
     """Every pair of faces of a solid that makes a wall, in a fixed order (planes first)."""
-    return (*_plane_walls(faces), *_tube_walls(faces))
+    return (*_without_laps(list(_plane_walls(faces)), faces.table.tolerance), *_tube_walls(faces))
 
 
 # ---------------------------------------------------------------- planes
@@ -196,6 +196,32 @@ def _is_wide(part: Polygon, thickness: float) -> bool:
     if part.area < KEPT_SHARE * outline.area:
         outline = part
     return bool(opening(outline, OPENING_FACTOR * thickness).area >= KEPT_SHARE * outline.area)
+
+
+def _without_laps(walls: list[PlaneWall], tolerance: float) -> list[PlaneWall]:
+    """Where two walls lie on one another, each reaches through the lap; their common thickness is no wall.
+
+    The lap runs from the bottom of one to the top of the other, and a plane between is the top of the one and the
+    bottom of the other, outside the lap.
+    """
+    laps: set[int] = set()
+    reach: dict[int, list[Region]] = {}
+    for number, lap in enumerate(walls):
+        lower = [k for k, wall in enumerate(walls) if wall.surface_ids[0] == lap.surface_ids[0] and k != number]
+        upper = [k for k, wall in enumerate(walls) if wall.surface_ids[1] == lap.surface_ids[1] and k != number]
+        for low in lower:
+            for high in upper:
+                if walls[low].surface_ids[1] != walls[high].surface_ids[0]:
+                    continue
+                if max(walls[k].paired.distance(lap.paired) for k in (low, high)) < 10.0 * tolerance:
+                    laps.add(number)
+                    reach.setdefault(low, []).append(lap.paired)
+                    reach.setdefault(high, []).append(lap.paired)
+    return [
+        replace(wall, paired=shapely.union_all([wall.paired, *reach[number]])) if number in reach else wall
+        for number, wall in enumerate(walls)
+        if number not in laps
+    ]
 
 
 # ---------------------------------------------------------------- cylinders

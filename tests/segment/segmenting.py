@@ -82,7 +82,8 @@ def plain_decide(facts: Facts) -> Conclusion | Need:
         and facts.get("sections_off", 9) <= 3
         and facts.get("worst_section_off", 1.0) <= 0.3
     )
-    if nearly and facts.get("free_length", 0.0) >= 10.0 * facts.get("section_long", 1.0):
+    is_free = facts.get("free_length", 0.0) >= 4.0 * facts.get("section_long", 1.0)
+    if nearly and is_free and facts["slenderness"] >= 10.0:
         return _concluded("beam", "slender")
     if "wall_share" not in facts:
         return Need("walls")

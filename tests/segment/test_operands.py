@@ -3,7 +3,7 @@ from kernel.segment.operands import operand_at, operands_of
 
 
 def split(text: str):
-    root = read_model(text, "model.csg").root
+    root = read_model(f"P = {text}", "model.csg").root
     return operand_at("/", root), operands_of(operand_at("/", root))
 
 
