@@ -159,8 +159,8 @@ def evaluate(
     as_json: JsonOption = False,
 ) -> None:
     """Write the solid of MODEL as a surface of triangles."""
-    from app.solidfile import ending_of, solid_file
     from kernel.solid.evaluate import evaluate as evaluate_solid
+    from kernel.solid.export import ending_of, solid_bytes
     from kernel.units import unit_set
 
     ending = ending_of(output)
@@ -168,11 +168,29 @@ def evaluate(
     csg = _read(model)
     unit_name = unit_set(units or csg.units or "mm").name
     evaluated = evaluate_solid(csg)
-    write_files({output: solid_file(evaluated, ending)})
+    write_files({output: solid_bytes(evaluated, ending)})
     from app.answers import solid_answer
 
     answer = solid_answer(csg, evaluated, unit_name)
     _print(answer.model_dump_json(indent=1) if as_json else texts.solid_text(answer, output))
+
+
+@app.command()
+def quality(
+    deck: Annotated[str, typer.Argument(metavar="DECK", help="A NASTRAN, Gmsh 4.1 or VTU file.")],
+    as_json: JsonOption = False,
+) -> None:
+    """Measure the elements of a deck."""
+    from app.decks import read_deck
+    from kernel.mesh.quality import mesh_quality
+
+    elements = read_deck(deck)
+    measured = mesh_quality(elements, allow_inverted=True)
+    if as_json:
+        answer = {"deck": deck, "nodes": elements.n_node, "elements": elements.count(), "quality": measured}
+        _print(texts.as_json(answer))
+    else:
+        _print("\n".join([f"{deck}: {texts.plural(elements.n_node, 'node')}", *texts.quality_lines(measured)]))
 
 
 @app.command()
@@ -191,12 +209,12 @@ def serve(
 
 def main() -> None:
     """The console script."""
+    signal.signal(signal.SIGTERM, _stop)
     sys.exit(run(sys.argv[1:]))
 
 
 def run(arguments: Sequence[str]) -> int:
     """Run one command; gives the exit status. Every failure is one line on standard error."""
-    signal.signal(signal.SIGTERM, _stop)
     # the bases of typer's own errors are click's, which some versions of typer bring along under another name
     usage_error = next(base for base in typer.BadParameter.__mro__ if base.__name__ == "ClickException")
     try:

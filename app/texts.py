@@ -128,14 +128,22 @@ def mesh_text(answer: MeshAnswer, deck: str) -> str:
         f"couplings: {couplings}; components: {answer.components}",
         f"mass: solid {number(answer.mass.solid)}, model {number(answer.mass.model)}, error {answer.mass.error:.3%}",
     ]
-    for kind, measures in answer.quality.items():
-        for measure, value in measures.items():
-            if isinstance(value, dict):
-                lines.append(f"{kind} {measure}: " + ", ".join(f"{k} {number(v)}" for k, v in value.items()))
+    lines += quality_lines(answer.quality)
     lines += [f"check failed: {failure}" for failure in (answer.checks.model_extra or {}).get("failures", [])]
     lines += [f"warning: {warning}" for warning in answer.warnings]
     lines.append(f"seconds: {sum(answer.seconds.values()):.2f}")
     return "\n".join(lines)
+
+
+def quality_lines(quality: dict[str, Any]) -> list[str]:
+    """One measure of one kind a line: worst, 5 % and so on."""
+    rows = []
+    for kind, measures in quality.items():
+        for measure, value in measures.items():
+            if isinstance(value, dict):
+                numbers = [number(float(value[key])) for key in ("min", "p5", "mean", "p95", "max") if key in value]
+                rows.append((kind, measure.replace("_", " "), *numbers))
+    return table(("elements", "measure", "min", "5 %", "mean", "95 %", "max"), rows).splitlines() if rows else []
 
 
 def solid_text(answer: SolidAnswer, path: str) -> str:

@@ -2,7 +2,12 @@
 
 import pytest
 
-PADL = "TOP = BLO(X=100, Y=60, Z=5)\nHOLE = CYL(R=8, H=20) AT (MOVX=50, MOVY=30, MOVZ=-5)\nPLATE = TOP DIF HOLE\nOUT PLATE\n"
+PADL = """\
+TOP = BLO(X=100, Y=60, Z=5)
+HOLE = CYL(R=8, H=20) AT (MOVX=50, MOVY=30, MOVZ=-5)
+PLATE = TOP DIF HOLE
+OUT PLATE
+"""
 TEXT = {"Content-Type": "text/plain"}
 
 
