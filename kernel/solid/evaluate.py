@@ -6,7 +6,8 @@ swapped are folded in that order, so shuffled operands give the same surfaces, f
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, field, fields
 
 import numpy as np
@@ -18,11 +19,11 @@ from kernel.errors import DefectError, GeometryError
 from kernel.solid.bounds import Box, box_of_tree, model_precision
 from kernel.solid.frame import PlacedLeaf, WorkingFrame, choose_frame
 from kernel.solid.hull import hull_manifold
-from kernel.solid.primitives import build
+from kernel.solid.primitives import build, check_numbers
 from kernel.solid.setting import Setting
 from kernel.solid.solid import Solid
 from kernel.solid.table import SurfaceTable
-from kernel.solid.tracked import NotSolidError, check_status
+from kernel.solid.tracked import CUTTER, NotSolidError, check_status
 from kernel.units import ANGLE_TOLERANCE
 
 _OPERATIONS = {"union": OpType.Add, "difference": OpType.Subtract, "intersection": OpType.Intersect}
@@ -82,6 +83,10 @@ def evaluate(model: CsgModel) -> Evaluated:
     """Evaluate the whole model. GeometryError: a primitive without volume or with an open surface; an empty model."""
     paths = {id(node): path for path, node in walk(model.root)}
     leaves = tuple(node for _, node in walk(model.root) if isinstance(node, Primitive))
+    for leaf in leaves:
+        for part in _all_primitives(leaf):
+            with _naming(part, paths[id(leaf)]):
+                check_numbers(part)
     shape = box_of_tree(model.root)
     precision = model_precision(model, leaves, shape)
     angle_tolerance = SurfaceTable(precision, shape.size).angle_tolerance
@@ -105,27 +110,43 @@ def evaluate(model: CsgModel) -> Evaluated:
 
 
 def _leaf(leaf: Primitive, path: str, source: int, table: SurfaceTable, frame: WorkingFrame) -> Manifold:
-    try:
+    with _naming(leaf, path):
         if isinstance(leaf, Hull):
-            return hull_manifold(_members(leaf, table, frame), table, source)
+            return hull_manifold(_members(leaf, path, table, frame), table, source)
         return build(leaf, Setting(table, frame.place(leaf.placement, min(ANGLE_TOLERANCE * 5.0, 1e-5)), source))
+
+
+@contextmanager
+def _naming(leaf: Primitive, path: str) -> Iterator[None]:
+    """Turn NotSolidError into a GeometryError that names the primitive and its place."""
+    try:
+        yield
     except NotSolidError as error:
-        raise GeometryError(
-            f"the {leaf.kind} at {_called(leaf, path)} is no solid: {error}", place=leaf.place
-        ) from error
+        message = f"the {leaf.kind} at {_called(leaf, path)} is no solid: {error}"
+        raise GeometryError(message, place=leaf.place) from error
+
+
+def _all_primitives(leaf: Primitive) -> Iterator[Primitive]:
+    """The primitive, and those in it where it is a hull."""
+    stack: list[Primitive] = [leaf]
+    while stack:
+        here = stack.pop()
+        yield here
+        if isinstance(here, Hull):
+            stack += [node for member in here.members for _, node in walk(member) if isinstance(node, Primitive)]
 
 
 def _called(node: CsgNode, path: str) -> str:
     return path if node.name is None else f"{path} ({node.name})"
 
 
-def _members(hull: Hull, table: SurfaceTable, frame: WorkingFrame) -> list[Solid]:
+def _members(hull: Hull, path: str, table: SurfaceTable, frame: WorkingFrame) -> list[Solid]:
     """The hull's members as solids; their primitives are no leaves of the model."""
     solids = []
     for member in hull.members:
         inner = [node for _, node in walk(member) if isinstance(node, Primitive)]
         rank = _ranks(inner)
-        built = {id(leaf): _leaf(leaf, "a hull's member", -1, table, frame) for leaf in inner}
+        built = {id(leaf): _leaf(leaf, path, CUTTER, table, frame) for leaf in inner}
         solids.append(Solid(_fold(member, built, rank), table))
     return solids
 

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from manifold3d import Manifold
+from manifold3d import Manifold, Mesh64
 from numpy.typing import NDArray
 
 from kernel.csg.tree import frozen_array
@@ -75,6 +76,38 @@ def facets_of(manifold: Manifold, table: SurfaceTable) -> Facets:
         frozen_array(0.5 * double),
         frozen_array((a + b + c) / 3.0),
     )
+
+
+def joined(manifolds: Sequence[Manifold]) -> Manifold:
+    """Disjoint surfaces as one manifold, triangle by triangle: a shell and the voids in it, which are inside out."""
+    meshes = [manifold.to_mesh64() for manifold in manifolds]
+    first_vertex = np.cumsum([0, *(len(mesh.vert_properties) for mesh in meshes)]).tolist()
+    first_triangle = np.cumsum([0, *(len(mesh.tri_verts) for mesh in meshes)]).tolist()
+    return Manifold(
+        Mesh64(
+            np.concatenate([np.asarray(mesh.vert_properties, np.float64)[:, :3] for mesh in meshes]),
+            np.concatenate(
+                [np.asarray(mesh.tri_verts, np.uint64) + np.uint64(n) for mesh, n in zip(meshes, first_vertex)]
+            ),
+            merge_from_vert=_shifted([mesh.merge_from_vert for mesh in meshes], first_vertex),
+            merge_to_vert=_shifted([mesh.merge_to_vert for mesh in meshes], first_vertex),
+            run_index=np.concatenate(
+                [
+                    *(
+                        np.asarray(mesh.run_index, np.uint64)[:-1] + np.uint64(3 * n)
+                        for mesh, n in zip(meshes, first_triangle)
+                    ),
+                    np.array([3 * first_triangle[-1]], np.uint64),
+                ]
+            ),
+            run_original_id=np.concatenate([np.asarray(mesh.run_original_id, np.uint32) for mesh in meshes]),
+            face_id=np.concatenate([np.asarray(mesh.face_id, np.uint64) for mesh in meshes]),
+        )
+    )
+
+
+def _shifted(indices: Sequence[NDArray], starts: Sequence[int]) -> NDArray[np.uint64]:
+    return np.concatenate([np.asarray(index, np.uint64) + np.uint64(n) for index, n in zip(indices, starts)])
 
 
 def solid_angle(facets: Facets, point: NDArray[np.float64]) -> float:

@@ -64,6 +64,9 @@ def polyhedron_mesh(
     if not triangles:
         raise NotSolidError("it has no face, expected at least four")
     mesh = np.concatenate(triangles)
+    start, end = mesh.ravel(), mesh[:, [1, 2, 0]].ravel()
+    if not np.array_equal(np.sort(start * len(vertices) + end), np.sort(end * len(vertices) + start)):
+        raise NotSolidError("its surface is not closed, or not consistently oriented")
     area = area_vectors(vertices, mesh)
     volume = float(np.einsum("ij,ij->", area, vertices[mesh[:, 0]] - vertices[0])) / 3.0
     if volume == 0.0:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import fields
 
 import numpy as np
 from manifold3d import Manifold
@@ -14,14 +15,23 @@ from kernel.solid.square import build_block, build_extrusion, build_polyhedron, 
 from kernel.solid.tracked import NotSolidError
 
 
+def check_numbers(primitive: Primitive) -> None:
+    """NotSolidError where a size or the placement is not finite, or the placement flattens the primitive."""
+    if not np.isfinite(primitive.placement).all():
+        raise NotSolidError("its placement is not finite")
+    linear = primitive.placement[:3, :3]
+    if abs(float(np.linalg.det(linear))) <= FLAT * float(np.prod(np.linalg.norm(linear, axis=0))):
+        raise NotSolidError("its placement flattens it")
+    for item in fields(primitive):
+        value = getattr(primitive, item.name)
+        numbers = value if isinstance(value, tuple) else (value,)
+        for number in numbers:
+            if isinstance(number, float | int | np.ndarray) and not np.isfinite(number).all():
+                raise NotSolidError(f"its {item.name.replace('_', ' ')} is {value}, expected finite numbers")
+
+
 def build(primitive: Primitive, setting: Setting) -> Manifold:
     """The primitive as a tracked manifold. NotSolidError: it has no volume, or its faces do not close."""
-    linear = setting.placed.linear
-    if not (np.isfinite(linear).all() and np.isfinite(setting.placed.origin).all()):
-        raise NotSolidError("its placement is not finite")
-    scale = np.linalg.norm(linear, axis=0)
-    if abs(float(np.linalg.det(linear))) <= FLAT * float(np.prod(scale)):
-        raise NotSolidError("its placement flattens it")
     builder = _BUILDERS.get(type(primitive))
     if builder is None:
         raise NotSolidError(f"a {primitive.kind} cannot be built from a placement alone")

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from kernel.csg.tree import frozen_array
 from kernel.errors import DefectError
-from kernel.solid.facets import Facets, facets_of, solid_angle
+from kernel.solid.facets import Facets, facets_of, joined, solid_angle
 from kernel.solid.lathe import layer, turn, unit_circle
 from kernel.solid.round import lathe_surface
 from kernel.solid.slivers import sliver_volume
@@ -122,7 +122,7 @@ class Solid:
         for void in voids:
             inside[_shell_of(void, shells)].append(void.manifold)
         return tuple(
-            shell if len(group) == 1 else Solid(Manifold.compose(group), self.surfaces)
+            shell if len(group) == 1 else Solid(joined(group), self.surfaces)
             for shell, group in zip(shells, inside, strict=True)
         )
 
