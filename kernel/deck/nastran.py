@@ -44,6 +44,9 @@ _CARDS: dict[str, tuple[str, tuple[int, ...]]] = {
 
 _LINE_PARTS = {"line2": ((0, 1),), "line3": ((0, 2), (2, 1))}
 
+_REDUCED = ("hex8", "wedge6")
+"""Integrated 2 x 2 x 2 with reduced shear: bends without locking. Quadratic elements so treated have mechanisms."""
+
 _SOLID_CLASSES = ("hex8", "hex20", "wedge6", "wedge15", "tet4", "tet10")
 
 
@@ -178,10 +181,10 @@ def _properties(model: Model, numbering: _Numbering) -> list[str]:
         elif element.kind == "shell":
             assert element.thickness is not None
             lines.append(_wide("PSHELL", [number, material, element.thickness, material, "", material, SHEAR_FACTOR]))
-        elif key[1].startswith("tet"):
-            lines.append(_card("PSOLID", [number, material]))
-        else:
+        elif key[1] in _REDUCED:
             lines.append(_card("PSOLID", [number, material, "", "TWO", "", "REDUCED"]))
+        else:
+            lines.append(_card("PSOLID", [number, material]))
     return lines
 
 
