@@ -14,21 +14,29 @@ from kernel.numeric.halfedge import BOUNDARY
 _SCREEN = 0.2
 """Weight of the dominant direction against a neighbour cell's in the cross field."""
 _DOMINANT_SHARE = 0.08
-"""The field is pulled to the dominant direction if this share of all edge length runs along it."""
+"""The field is pulled to the dominant direction if this share of the length that counts runs along it."""
 _GROWTH = 0.3
 """Growth of the size from short edges, sizes per size of distance."""
 
 
-def dominant_cross(points: NDArray[np.float64], edges: Edges) -> tuple[float, float, float]:
-    """cos 4a and sin 4a of the direction that most of the boundary runs along, and the weight it deserves."""
+def dominant_cross(
+    points: NDArray[np.float64], edges: Edges, is_curved: NDArray[np.bool_]
+) -> tuple[float, float, float]:
+    """cos 4a and sin 4a of the direction that most of the straight boundary runs along, and the weight it deserves.
+
+    is_curved: (n_edge,); where all is curved, all counts.
+    """
     along = points[edges.end] - points[edges.start]
     length = np.hypot(along[:, 0], along[:, 1])
+    counts = edges.kind == BOUNDARY
+    if not is_curved.all():
+        counts = counts & ~is_curved
     angle4 = 4 * np.arctan2(along[:, 1], along[:, 0])
     bucket = np.round(np.mod(angle4, 2 * np.pi) / (2 * np.pi) * 90).astype(np.int64) % 90
-    weight = np.bincount(bucket, weights=length * (edges.kind == BOUNDARY), minlength=90)
+    weight = np.bincount(bucket, weights=length * counts, minlength=90)
     chosen = bucket == weight.argmax()
     angle = math.atan2((length * np.sin(angle4))[chosen].sum(), (length * np.cos(angle4))[chosen].sum())
-    screen = _SCREEN if weight.max() > _DOMINANT_SHARE * length.sum() else 0.0
+    screen = _SCREEN if weight.max() > _DOMINANT_SHARE * (length * counts).sum() else 0.0
     return math.cos(angle), math.sin(angle), screen
 
 

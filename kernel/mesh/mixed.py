@@ -29,7 +29,7 @@ def mixed_mesh(region: Region, size: float) -> RegionMesh:
     points = np.ascontiguousarray(region.points, dtype=np.float64)
     n_point = len(points)
     edges = edges_of(region)
-    nodes = grow(points, edges, region.is_curved, size, dominant_cross(points, edges))
+    nodes = grow(points, edges, region.is_curved, size, dominant_cross(points, edges, region.is_curved))
     triangulation = constrained(nodes, n_point, edges, 0)
     is_fixed = (np.arange(len(nodes)) < n_point).astype(np.uint8)
     n_triangle = triangulation.n_triangle

@@ -27,11 +27,17 @@ _PATH_DEPTH = 8
 
 
 def coarse_edges(
-    points: NDArray[np.float64], edges: Edges, is_vertex: NDArray[np.bool_] | None = None
+    points: NDArray[np.float64],
+    edges: Edges,
+    cross: tuple[float, float, float],
+    is_vertex: NDArray[np.bool_] | None = None,
 ) -> NDArray[np.int32]:
-    """The edges in pairs (see numeric.coarsen), MeshError where a chain has an odd number of edges."""
+    """The edges in pairs (see numeric.coarsen), MeshError where a chain has an odd number of edges.
+
+    cross: see cross.dominant_cross. is_vertex: (n_point,) points to keep, beside those where curves meet.
+    """
     given = np.zeros(len(points), np.uint8) if is_vertex is None else is_vertex.astype(np.uint8)
-    coarse, odd = pair_edges(points, *edges.arrays, given)
+    coarse, odd = pair_edges(points, *edges.arrays, given, *cross[:2])
     if odd >= 0:
         x, y = points[edges.start[odd]]
         raise MeshError(
@@ -48,7 +54,8 @@ def quad_mesh(region: Region, size: float, is_vertex: NDArray[np.bool_] | None =
     points = np.ascontiguousarray(region.points, dtype=np.float64)
     n_point = len(points)
     edges = edges_of(region)
-    pairs = coarse_edges(points, edges, is_vertex)
+    cross = dominant_cross(points, edges, region.is_curved)
+    pairs = coarse_edges(points, edges, cross, is_vertex)
     is_kept = np.ones(n_point, np.bool_)
     is_kept[pairs[:, 2]] = False
     kept = np.flatnonzero(is_kept).astype(np.int32)
@@ -58,7 +65,7 @@ def quad_mesh(region: Region, size: float, is_vertex: NDArray[np.bool_] | None =
         np.ascontiguousarray(coarse_number[pairs[:, 1]]),
         edges.kind[pairs[:, 3]],
     )
-    nodes = grow(points[kept], coarse, region.is_curved[pairs[:, 3]], 2 * size, dominant_cross(points, edges))
+    nodes = grow(points[kept], coarse, region.is_curved[pairs[:, 3]], 2 * size, cross)
     try:
         triangulation = constrained(nodes, len(kept), coarse, 0)
     except MeshError:  # chords of the coarse mesh cross where curves nearly touch; the region itself may be sound

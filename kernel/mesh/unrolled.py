@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kernel.mesh.constrained import edges_of
+from kernel.mesh.cross import dominant_cross
 from kernel.mesh.cut import CutRegion, cut_open
 from kernel.mesh.quads import coarse_edges, quad_mesh, smooth
 from kernel.mesh.region import Region, RegionMesh
@@ -30,7 +31,9 @@ def periodic_mesh(region: Region, size: float, faces: str) -> RegionMesh:
     is_candidate[region.edges.ravel()] = True
     if faces == "quad":
         # only points that are coarse nodes: the seam leaves an even number of edges between where it meets a ring
-        coarse = coarse_edges(np.ascontiguousarray(region.points), edges_of(region))
+        points = np.ascontiguousarray(region.points)
+        edges = edges_of(region)
+        coarse = coarse_edges(points, edges, dominant_cross(points, edges, region.is_curved))
         is_candidate[coarse[:, 2]] = False
     seeded, seam = _seed_seam(region, find_seam(region, size, is_candidate), size, faces)
     cut = cut_open(seeded, seam)

@@ -2,7 +2,8 @@
 
     o---x---o---x---o      o coarse node, x the middle of a coarse edge. Chains run between vertices: points where
                            other than two edges meet, where boundary turns into imprint, or given ones. A ring
-                           without a vertex starts so that its middles lie where it turns least.
+                           without a vertex starts so that its middles lie where it turns least; a round one so
+                           that its coarse edges lie best along the dominant cross (see cross_field).
 A chain of an odd number of edges cannot be paired: no all-quad mesh has it on its boundary by this way.
 """
 
@@ -13,6 +14,10 @@ import math
 import numpy as np
 
 from kernel.numeric.compiled import compiled
+
+
+_AS_ROUND = 0.05
+"""A ring whose turning is shared evenly, within this share of it, has no corners to hold on to."""
 
 
 @compiled
@@ -26,7 +31,7 @@ def _turn(points, a, b, c):
 
 
 @compiled
-def pair_edges(points, start, end, kind, is_given_vertex):
+def pair_edges(points, start, end, kind, is_given_vertex, dominant_cos, dominant_sin):
     """Coarse start, end, middle, first and second fine edge: (n_coarse, 5) int32, and an edge of an odd chain, or -1.
 
     Coarse edges run as their fine edges do (boundaries with the region on their left). is_given_vertex: (n_point,)
@@ -83,15 +88,20 @@ def pair_edges(points, start, end, kind, is_given_vertex):
                     continue
                 shift = 0
                 if v == origin and is_vertex[v] == 0:
-                    turns_even = 0.0
-                    turns_odd = 0.0
+                    turns = np.zeros(2)  # at even and at odd places of the ring
+                    fit = np.zeros(2)  # of the coarse edges to the dominant cross, if coarse nodes are even or odd
                     for i in range(n):
                         turn = _turn(points, nodes[(i - 1) % n], nodes[i], nodes[i + 1])
-                        if i % 2 == 0:
-                            turns_even += turn * turn
-                        else:
-                            turns_odd += turn * turn
-                    shift = 1 if turns_even < turns_odd * (1 - 1e-9) else 0
+                        turns[i % 2] += turn * turn
+                        dx = points[nodes[(i + 2) % n], 0] - points[nodes[i], 0]
+                        dy = points[nodes[(i + 2) % n], 1] - points[nodes[i], 1]
+                        angle = 4 * math.atan2(dy, dx)
+                        cosine = dominant_cos * math.cos(angle) + dominant_sin * math.sin(angle)
+                        fit[i % 2] += math.hypot(dx, dy) * cosine
+                    if abs(turns[0] - turns[1]) > _AS_ROUND * (turns[0] + turns[1]):
+                        shift = 1 if turns[0] < turns[1] else 0
+                    else:
+                        shift = 1 if fit[1] > fit[0] * (1 + 1e-9) + 1e-9 else 0
                 for i in range(0, n, 2):
                     e = np.int64(chain[i + shift])
                     f = np.int64(chain[(i + shift + 1) % n])

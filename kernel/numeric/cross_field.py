@@ -15,6 +15,9 @@ from kernel.numeric.compiled import compiled
 
 _SWEEPS = 60
 _OVER_RELAXATION = 1.7
+_COHERENT = 0.5
+"""A cell whose edges run every way (a hole no larger than the cell) does not steer the field: the mean direction's
+length, of 1 for straight edges, must reach this."""
 
 
 @compiled
@@ -26,6 +29,7 @@ def cross_field(points, start, end, cell, x0, y0, n_x, n_y, dominant_cos, domina
     n = n_x * n_y
     field_cos = np.zeros(n)
     field_sin = np.zeros(n)
+    total = np.zeros(n)
     is_given = np.zeros(n, np.uint8)
     for i in range(len(start)):
         ax = points[start[i], 0]
@@ -40,11 +44,12 @@ def cross_field(points, start, end, cell, x0, y0, n_x, n_y, dominant_cos, domina
             q = int((ay + t * dy - y0) / cell) * n_x + int((ax + t * dx - x0) / cell)
             field_cos[q] += math.cos(angle) * length / n_sample
             field_sin[q] += math.sin(angle) * length / n_sample
+            total[q] += length / n_sample
             is_given[q] = 1
     for q in range(n):
         if is_given[q] != 0:
             norm = math.hypot(field_cos[q], field_sin[q])
-            if norm > 1e-9 * cell:
+            if norm > _COHERENT * total[q]:
                 field_cos[q] /= norm
                 field_sin[q] /= norm
             else:
