@@ -79,15 +79,19 @@ def mesh(
     rules: RulesOption = None,
     override: OverrideOption = None,
     material: Annotated[str | None, typer.Option(metavar="NAME|FILE", help="Material of every segment.")] = None,
-    coupling: Annotated[str, typer.Option(help="distributing, rigid, work.")] = "distributing",
+    coupling: Annotated[str, typer.Option(help="distributing, rigid.")] = "distributing",
     report: Annotated[str | None, typer.Option(metavar="FILE.html", help="Write a report with pictures too.")] = None,
     as_json: JsonOption = False,
 ) -> None:
     """Mesh MODEL and write the deck."""
     from app import pipeline
+    from app.materialfile import with_material
     from app.progress import progress_bar
+    from kernel.connect.couplings import COUPLINGS
     from kernel.deck.deck import format_for
+    from kernel.materials import choose_material
     from kernel.mesh.options import MeshOptions
+    from kernel.units import unit_set
 
     outputs = [output] if report is None else [output, report]
     if len({os.path.realpath(path) for path in outputs}) < len(outputs):
@@ -95,11 +99,14 @@ def mesh(
     for path in outputs:
         check_writable(path)
     format_for(output, deck_format)
+    if coupling not in COUPLINGS:
+        raise OptionError(f"unknown coupling {coupling!r}, expected one of {', '.join(COUPLINGS)}")
     options = MeshOptions(size=size, order=order, faces=faces, volumes=volumes)
+    pinned = _overrides(override)
+    csg, material = with_material(pipeline.read(model), material)
+    choose_material(material, csg, unit_set(units or csg.units or "mm"))
     with progress_bar() as progress:
-        classified = pipeline.classify(
-            pipeline.read(model), overrides=_overrides(override), rules=rules, units=units, progress=progress
-        )
+        classified = pipeline.classify(csg, overrides=pinned, rules=rules, units=units, progress=progress)
         meshed = pipeline.mesh(classified, options, material=material, coupling=coupling, progress=progress)
         contents = {output: pipeline.write_deck(meshed, output, deck_format)}
         if report is not None:

@@ -63,6 +63,14 @@ def find_task(payload: Payload, _artifacts: Artifacts, _progress: Progress) -> s
     return find(_csg(payload).root, payload["node"])[0]
 
 
+def material_task(payload: Payload, _artifacts: Artifacts, _progress: Progress) -> str:
+    """Name of the material that a mesh of the model would have; OptionError where there is none."""
+    from kernel.materials import choose_material
+    from kernel.units import unit_set
+
+    return choose_material(payload["material"], _csg(payload), unit_set(payload["units"])).name
+
+
 def solid_task(payload: Payload, artifacts: Artifacts, _progress: Progress) -> str:
     """The solid as GLB; gives its artifact."""
     from app.report.gltf import glb
@@ -127,6 +135,7 @@ TASKS: dict[str, Callable[[Payload, Artifacts, Progress], Any]] = {
     "read": read_task,
     "tree": tree_task,
     "find": find_task,
+    "material": material_task,
     "solid": solid_task,
     "classify": classify_task,
     "mesh": mesh_task,

@@ -62,7 +62,7 @@ class MeshRequest(Schema):
     order: Literal[1, 2] = 1
     faces: Literal["quad", "tri"] = "quad"
     volumes: Literal["auto", "hex", "tet"] = "auto"
-    coupling: Literal["distributing", "rigid", "work"] = "distributing"
+    coupling: Literal["distributing", "rigid"] = "distributing"
     material: str | None = Field(default=None, max_length=100)
     units: str | None = Field(default=None, max_length=10)
     rulebase: str | None = Field(default=None, max_length=200)
@@ -116,10 +116,7 @@ def create_mesh(
     units = unit_set(wanted.units or model.units)
     # checked here already, so that a wrong one is refused before it is queued
     MeshOptions(size=wanted.size, order=wanted.order, faces=wanted.faces, volumes=wanted.volumes)
-    if wanted.material is not None:
-        from kernel.materials import named_material
-
-        named_material(wanted.material, units)
+    context.ask("material", {**context.text_payload(model), "material": wanted.material, "units": units.name})
     payload = {
         **context.model_payload(model, wanted.rulebase, wanted.units),
         "options": options,
