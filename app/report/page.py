@@ -8,11 +8,13 @@ from html import escape
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from app.answers import meshed_answer
 from app.report.pictures import pictures
 from app.report.scenes import segment_colours
 from app.texts import number, plural
+from kernel.mesh.quality import element_quality
 
 if TYPE_CHECKING:
     from app.pipeline import Meshed
@@ -33,7 +35,7 @@ td.n, th.n { text-align: right; font-variant-numeric: tabular-nums } small { col
 figure { margin: 1rem 0; display: inline-block; width: 100% } figcaption { color: #5c6875 }
 figure img { max-width: 100%; border: 1px solid #e6eaee } .bad { color: #b3261e; font-weight: 600 }
 .swatch { display: inline-block; width: .9em; height: .9em; margin-right: .4em; vertical-align: -.1em }
-@media (prefers-color-scheme: dark) { body { background: #fff } }
+figure.half { width: auto; margin-right: 2rem }
 """
 
 
@@ -50,7 +52,7 @@ def report_page(meshed: Meshed) -> str:
         "<h2>Joints</h2>",
         _table(("joint", "kind", "segments", "area"), [_joint(j) for j in answer.joints]) or "<p>None.</p>",
         "<h2>Element quality</h2>",
-        _quality(answer.quality),
+        _quality(meshed),
         "<h2>Mass and checks</h2>",
         _checks(answer),
     ]
@@ -116,33 +118,37 @@ def _joint(joint: Any) -> tuple[str, ...]:
     return (joint.id, joint.kind, " ".join(joint.segments), number(joint.area))
 
 
-def _quality(quality: dict[str, Any]) -> str:
-    rows, histograms = [], []
-    for kind, measures in quality.items():
+def _quality(meshed: Meshed) -> str:
+    """The table of every measure, and a histogram of the one that matters for each kind."""
+    rows = []
+    for kind, measures in meshed.quality.items():
         for measure, values in measures.items():
-            if not isinstance(values, dict):
-                continue
-            numbers = [number(values[key]) if key in values else "" for key in ("min", "p5", "mean")]
-            rows.append((kind, measure.replace("_", " "), *numbers))
-            if "histogram" in values:
-                histograms.append(_histogram(f"{kind}, {measure.replace('_', ' ')}", values["histogram"]))
-    return (_table(("elements", "measure", "worst", "5 %", "mean"), rows) or "<p>Line elements only.</p>") + "".join(
-        histograms
-    )
+            if isinstance(values, dict):
+                numbers = [number(float(values[key])) for key in ("min", "p5", "mean", "p95", "max")]
+                rows.append((kind, measure.replace("_", " "), *numbers))
+    mesh = meshed.model.mesh
+    histograms = []
+    for kind in meshed.quality:
+        blocks = [block for block in mesh.blocks if block.kind == kind]
+        measured = [element_quality(block, mesh.nodes) for block in blocks]
+        if "scaled_jacobian" in measured[0]:
+            values = np.concatenate([m["scaled_jacobian"] for m in measured])
+            histograms.append(_histogram(f"{kind}: elements by scaled Jacobian", values))
+    head = ("elements", "measure", "least", "5 %", "mean", "95 %", "most")
+    return _table(head, rows) + "".join(histograms)
 
 
-def _histogram(title: str, histogram: dict[str, Sequence[float]]) -> str:
-    """Bars as inline SVG; histogram: {"edges": n + 1 numbers, "counts": n}."""
-    counts = np.asarray(histogram["counts"], float)
-    edges = histogram["edges"]
+def _histogram(title: str, values: NDArray[np.float64]) -> str:
+    """Bars as inline SVG, over 0..1 (or from -1 where elements are inverted)."""
+    counts, edges = np.histogram(values, bins=20, range=(min(0.0, float(values.min())), 1.0))
     width, height = 440, 120
     step = width / len(counts)
-    top = max(counts.max(), 1.0)
+    top = max(int(counts.max()), 1)
     bars = "".join(
         f'<rect x="{k * step + 1:.1f}" y="{height - height * c / top:.1f}" width="{step - 2:.1f}" '
         f'height="{height * c / top:.1f}" fill="#568cc8">'
-        f"<title>{edges[k]:.3g} to {edges[k + 1]:.3g}: {int(c)}</title></rect>"
-        for k, c in enumerate(counts)
+        f"<title>{edges[k]:.3g} to {edges[k + 1]:.3g}: {c}</title></rect>"
+        for k, c in enumerate(counts.tolist())
     )
     axis = (
         f'<line x1="0" y1="{height}" x2="{width}" y2="{height}" stroke="#5c6875"/>'
@@ -150,7 +156,7 @@ def _histogram(title: str, histogram: dict[str, Sequence[float]]) -> str:
         f'<text x="{width}" y="{height + 16}" font-size="12" text-anchor="end">{edges[-1]:.3g}</text>'
     )
     picture = f'<svg width="{width}" height="{height + 22}" viewBox="0 0 {width} {height + 22}">{bars}{axis}</svg>'
-    return f"<figure>{picture}<figcaption>{escape(title)}, elements by value</figcaption></figure>"
+    return f'<figure class="half">{picture}<figcaption>{escape(title)}</figcaption></figure>'
 
 
 def _checks(answer: MeshAnswer) -> str:

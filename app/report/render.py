@@ -22,7 +22,7 @@ SUPERSAMPLING = 2
 LINE_LIFT = 2e-3
 """Lines are drawn this share of the scene's size nearer, so that the face they lie on does not hide them."""
 
-AMBIENT, DIFFUSE = 0.42, 0.58
+AMBIENT, DIFFUSE = 0.55, 0.45
 BACKGROUND = (255, 255, 255)
 ISOMETRIC = (1.0, -1.55, 0.95)
 """Direction from the model to the eye: right, front, above. Not the true isometric: cubes would hide an edge."""
@@ -100,7 +100,7 @@ def _shade(triangles: NDArray, colours: NDArray, u: NDArray, v: NDArray, w: NDAr
     length = np.linalg.norm(normals, axis=1, keepdims=True)
     normals = np.divide(normals, length, out=np.zeros_like(normals), where=length > 0)
     normals *= np.where(normals @ w < 0, -1.0, 1.0)[:, None]
-    light = 0.75 * w + 0.55 * v - 0.35 * u
+    light = 0.75 * w + 0.6 * v - 0.3 * u
     light /= np.linalg.norm(light)
     strength = AMBIENT + DIFFUSE * np.maximum(normals @ light, 0.0)
     return colours * strength[:, None]

@@ -24,7 +24,7 @@ void main() {
   if (lit) {
     vec3 normal = normalize(cross(dFdx(seen), dFdy(seen)));
     normal *= normal.z < 0.0 ? -1.0 : 1.0;
-    strength = 0.42 + 0.58 * max(dot(normal, normalize(vec3(-0.35, 0.55, 0.75))), 0.0);
+    strength = 0.55 + 0.45 * max(dot(normal, normalize(vec3(-0.3, 0.6, 0.75))), 0.0);
   }
   shown = vec4(colour.rgb * strength, colour.a);
 }`;
