@@ -99,16 +99,45 @@ VOCABULARY: tuple[FactSpec, ...] = (
 SPECS: Mapping[str, FactSpec] = MappingProxyType({spec.name: spec for spec in VOCABULARY})
 
 
+@dataclass(frozen=True, slots=True)
+class RelatedSpec:
+    """Things around a node that a rule may ask about, each with facts of its own: `some tool: [...]`."""
+
+    name: str
+    singular: str
+    tier: str
+    meaning: str
+
+
+RELATED: Mapping[str, RelatedSpec] = MappingProxyType(
+    {
+        spec.name: spec
+        for spec in (
+            RelatedSpec("tools", "tool", "intent", "operands that a difference takes away from the node"),
+            RelatedSpec("children", "child", "intent", "operands of a Boolean"),
+            RelatedSpec("neighbours", "neighbour", "prism", "what the node touches"),
+        )
+    }
+)
+
+
 class Facts(Mapping[str, Value]):
-    """The facts known about one node, frozen. `facts.tier` is the dearest tier measured so far."""
+    """The facts known about one node, frozen. `facts.tier` is the dearest tier measured so far.
 
-    __slots__ = ("_values", "tier")
+    related: facts of the things around it, by the names of RELATED; a name that is absent has not been looked at.
+    """
 
-    def __init__(self, values: Mapping[str, Value], tier: str) -> None:
+    __slots__ = ("_values", "related", "tier")
+
+    def __init__(
+        self, values: Mapping[str, Value], tier: str, related: Mapping[str, tuple[Facts, ...]] | None = None
+    ) -> None:
         unknown = [name for name in values if name not in SPECS]
+        unknown += [name for name in related or () if name not in RELATED]
         if unknown:
             raise KeyError(f"facts outside the vocabulary: {', '.join(unknown)}")
         self._values = MappingProxyType(dict(values))
+        self.related: Mapping[str, tuple[Facts, ...]] = MappingProxyType(dict(related or {}))
         self.tier = tier
 
     def __getitem__(self, name: str) -> Value:
@@ -120,6 +149,19 @@ class Facts(Mapping[str, Value]):
     def __len__(self) -> int:
         return len(self._values)
 
-    def with_tier(self, tier: str, values: Mapping[str, Value]) -> Facts:
+    @property
+    def key(self) -> tuple:
+        """Equal for equal facts, whatever their order; hashable."""
+        related = (
+            (name, tuple(sorted((item.key for item in items), key=repr))) for name, items in self.related.items()
+        )
+        return (self.tier, tuple(sorted(self._values.items())), tuple(sorted(related, key=lambda pair: pair[0])))
+
+    def __reduce__(self) -> tuple:
+        return Facts, (dict(self._values), self.tier, dict(self.related))
+
+    def with_tier(
+        self, tier: str, values: Mapping[str, Value], related: Mapping[str, tuple[Facts, ...]] | None = None
+    ) -> Facts:
         """These facts and those of a dearer tier."""
-        return Facts({**self._values, **values}, tier)
+        return Facts({**self._values, **values}, tier, {**self.related, **(related or {})})

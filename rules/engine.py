@@ -1,0 +1,176 @@
+"""Loading a rule base, and deciding with it.
+
+    base = load_rule_base()                     # the one that comes with csgmesh; or the path of a file or folder
+    base.decide(facts)                          # Need(tier) or Conclusion
+    base.explain(facts).to_text()
+
+The rules are matched by experta (experta_engine.py); what they mean is compile.py's, who wins is resolve.py's.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import threading
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+from kernel.facts import TIERS, Facts
+from kernel.plan import Conclusion, Need
+from kernel.units import unit_set
+from rules.definition import Definition, Parameter, Rule
+from rules.loader import read_definition, read_definition_text
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from rules.compile import Match, Strength, View
+    from rules.explain import Explanation
+    from rules.resolve import Verdict
+
+CACHE_ENTRIES = 50_000
+"""Answers kept; the cache is emptied when it is full."""
+
+VERSION_DIGITS = 12
+
+
+class RuleBase:
+    """A checked and compiled rule base. `decide` is a kernel.plan.Decide; safe to share between threads and to pickle.
+
+    definition: what was read. units: the model's length unit, which gives length parameters their meaning.
+    """
+
+    def __init__(self, definition: Definition, units: str = "mm") -> None:
+        self.definition = definition
+        self.units = unit_set(units)
+        self._answers: dict[tuple, Conclusion | Need] = {}
+        self._local = threading.local()
+
+    @property
+    def name(self) -> str:
+        """As the rule file says."""
+        return self.definition.name
+
+    @cached_property
+    def version(self) -> str:
+        """12 hexadecimal digits of a hash over all that matters for decisions, whatever order it was written in."""
+        text = "\n".join(self.definition.canonical())
+        return hashlib.sha256(text.encode()).hexdigest()[:VERSION_DIGITS]
+
+    @property
+    def rules(self) -> tuple[Rule, ...]:
+        """All rules, by id."""
+        return self.definition.rules
+
+    @property
+    def parameters(self) -> Mapping[str, Parameter]:
+        """The numbers that analysts tune."""
+        return self.definition.parameters
+
+    @cached_property
+    def values(self) -> dict[str, float]:
+        """The parameters' values in model units."""
+        return {name: p.in_model_units(self.units.metre) for name, p in self.definition.parameters.items()}
+
+    def in_units(self, units: str) -> RuleBase:
+        """The same rule base for models in `units`; itself where that changes nothing."""
+        has_lengths = any(parameter.dimension for parameter in self.parameters.values())
+        if not has_lengths or unit_set(units) == self.units:
+            return self
+        return RuleBase(self.definition, units)
+
+    def decide(self, facts: Facts) -> Conclusion | Need:
+        """The conclusion, or the tier of facts that is needed first. Equal facts are answered from a cache."""
+        key = facts.key
+        answer = self._answers.get(key)
+        if answer is None:
+            answer = self._decide(facts)
+            if len(self._answers) >= CACHE_ENTRIES:
+                self._answers.clear()
+            self._answers[key] = answer
+        return answer
+
+    def _decide(self, facts: Facts) -> Conclusion | Need:
+        from rules.explain import conclude
+
+        verdict, view, found = self.judge(facts)
+        if isinstance(verdict, int):
+            return Need(TIERS[verdict])
+        return conclude(self, verdict, view, found)
+
+    def judge(self, facts: Facts) -> tuple[Verdict | int, View, dict[int, int]]:
+        """The verdict or the tier needed, the view it was taken on, and each rule's outcome that holds or may hold."""
+        from rules.compile import View
+        from rules.logic import TRUE, tier_of
+        from rules.resolve import resolve
+
+        view = View(facts)
+        found = self._engine.run(view)
+        holding, open_rules = [], []
+        for index in sorted(found):
+            rule = self.rules[index]
+            if rule.segment is None:
+                continue
+            if found[index] == TRUE:
+                holding.append(rule)
+            else:
+                open_rules.append((rule, tier_of(found[index])))
+        return resolve(holding, open_rules), view, found
+
+    def explain(self, facts: Facts) -> Explanation:
+        """Why the answer is what it is: every rule, with the numbers that made it hold or fail."""
+        from rules.explain import explain
+
+        return explain(self, facts)
+
+    @cached_property
+    def matches(self) -> tuple[Match, ...]:
+        """Each rule's condition, compiled."""
+        from rules.compile import compile_condition
+
+        return tuple(compile_condition(rule.condition, self.values) for rule in self.rules)
+
+    @cached_property
+    def strengths(self) -> tuple[Strength, ...]:
+        """By how much each rule holds or fails, compiled."""
+        from rules.compile import compile_strength
+
+        words: dict[str, list[Strength]] = {name: [] for name in self.definition.words}
+        strengths: list[Strength | None] = [None] * len(self.rules)
+        for index, rule in sorted(enumerate(self.rules), key=lambda pair: pair[1].level):
+            strength = strengths[index] = compile_strength(rule.condition, self.values, words)
+            if rule.word is not None:
+                words[rule.word].append(strength)
+        return tuple(strength for strength in strengths if strength is not None)
+
+    @property
+    def _engine(self):  # type: ignore[no-untyped-def]
+        """The calling thread's experta engine: engines are not shared between threads."""
+        engine = getattr(self._local, "engine", None)
+        if engine is None:
+            from rules.experta_engine import EngineRule, ExpertaEngine
+
+            rules = [
+                EngineRule(index, rule.id, rule.level, self.matches[index], rule.word)
+                for index, rule in enumerate(self.rules)
+            ]
+            engine = self._local.engine = ExpertaEngine(rules)
+        return engine
+
+    def __reduce__(self) -> tuple:
+        return RuleBase, (self.definition, self.units.name)
+
+    def __repr__(self) -> str:
+        return f"RuleBase({self.name!r}, {self.version}, {len(self.rules)} rules)"
+
+
+def load_rule_base(path: str | None = None, *, units: str = "mm") -> RuleBase:
+    """The rule base at `path`, a file or a folder of *.yaml files; None for the one that comes with csgmesh.
+
+    RuleError, with the place of the first error and all of them in `problems`, for a rule base that is wrong.
+    """
+    return RuleBase(read_definition(path), units)
+
+
+def rule_base_from_text(text: str, name: str = "-", *, units: str = "mm") -> RuleBase:
+    """The rule base that `text` is; it may extend `base`, but reaches no files. RuleError as for load_rule_base."""
+    return RuleBase(read_definition_text(text, name), units)
