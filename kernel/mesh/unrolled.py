@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from kernel.mesh.constrained import edges_of
 from kernel.mesh.cross import dominant_cross
 from kernel.mesh.cut import CutRegion, cut_open
+from kernel.mesh.mixed import mixed_mesh
 from kernel.mesh.quads import coarse_edges, quad_mesh, smooth
 from kernel.mesh.region import Region, RegionMesh
 from kernel.mesh.seam import BRIDGE, Step, find_seam
@@ -39,6 +40,8 @@ def periodic_mesh(region: Region, size: float, faces: str) -> RegionMesh:
     cut = cut_open(seeded, seam)
     if faces == "quad":
         mesh = quad_mesh(cut.region, size, cut.is_vertex)
+    elif faces == "mixed":
+        mesh = mixed_mesh(cut.region, size)
     else:
         mesh = triangle_mesh(cut.region, size)
     return _close(mesh, cut, seeded, len(region.points))

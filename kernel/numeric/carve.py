@@ -62,7 +62,8 @@ def carve(corner, twin, lock, leaving, n_triangle, start, end, kind, n_node):
             corner[new] = corner[e]
             lock[new] = lock[e]
             twin[new] = -1 if f < 0 or is_outside[f // 3] != 0 else 3 * new_number[f // 3] + f % 3
-    leaving[:] = -1
+    for node in range(len(leaving)):
+        leaving[node] = -1
     for e in range(3 * n_inside):
         node = corner[e]
         if leaving[node] < 0 or twin[e] < 0:

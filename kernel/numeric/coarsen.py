@@ -15,7 +15,6 @@ import numpy as np
 
 from kernel.numeric.compiled import compiled
 
-
 _AS_ROUND = 0.05
 """A ring whose turning is shared evenly, within this share of it, has no corners to hold on to."""
 

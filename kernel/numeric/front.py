@@ -18,6 +18,7 @@ import math
 
 import numpy as np
 
+from kernel.numeric.arrays import bounds, copy_points
 from kernel.numeric.bins import bin_edges, segment_distance2
 from kernel.numeric.compiled import compiled
 from kernel.numeric.cross_field import bilinear, cross_angle, cross_field
@@ -114,10 +115,11 @@ def grow_front(points, start, end, kind, is_curved, size, dominant_cos, dominant
     is_curved: (n_point,) uint8, nodes of curved boundaries, which grow last. size: of coarse edges.
     """
     n_point = len(points)
-    x0 = points[:, 0].min() - 2 * size
-    y0 = points[:, 1].min() - 2 * size
-    n_x = int((points[:, 0].max() - x0) / size) + 4
-    n_y = int((points[:, 1].max() - y0) / size) + 4
+    x_low, y_low, x_high, y_high = bounds(points)
+    x0 = x_low - 2 * size
+    y0 = y_low - 2 * size
+    n_x = int((x_high - x0) / size) + 4
+    n_y = int((y_high - y0) / size) + 4
     field_cos, field_sin = cross_field(points, start, end, size, x0, y0, n_x, n_y, dominant_cos, dominant_sin, screen)
     wanted, smallest = size_grid(points, start, end, size, x0, y0, n_x, n_y, growth)
     is_graded = smallest < size
@@ -142,8 +144,8 @@ def grow_front(points, start, end, kind, is_curved, size, dominant_cos, dominant
     late = np.empty(n_point, np.int32)
     tail = 0
     n_late = 0
+    copy_points(points, nodes)
     for i in range(n_point):
-        nodes[i] = points[i]
         if tangent_cos[i] ** 2 + tangent_sin[i] ** 2 > 0.1:
             angles[i] = math.atan2(tangent_sin[i], tangent_cos[i]) / 4
         else:

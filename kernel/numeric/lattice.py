@@ -16,6 +16,7 @@ import math
 
 import numpy as np
 
+from kernel.numeric.arrays import bounds, copy_points, sort_range
 from kernel.numeric.bins import bin_edges, segment_distance2
 from kernel.numeric.compiled import compiled
 from kernel.numeric.halfedge import BOUNDARY, IMPRINT
@@ -65,10 +66,9 @@ def place_lattice(points, start, end, kind, size, angle, origin_x, origin_y):
         dy = points[i, 1] - origin_y
         turned[i, 0] = cosine * dx + sine * dy
         turned[i, 1] = -sine * dx + cosine * dy
-    x0 = turned[:, 0].min() - size
-    y0 = turned[:, 1].min() - size
-    x1 = turned[:, 0].max()
-    y1 = turned[:, 1].max()
+    x_low, y_low, x1, y1 = bounds(turned)
+    x0 = x_low - size
+    y0 = y_low - size
     n_x = int((x1 - x0) / size) + 3
     n_y = int((y1 - y0) / size) + 3
     offset, edges = bin_edges(turned, start, end, x0, y0, size, n_x, n_y)
@@ -77,9 +77,9 @@ def place_lattice(points, start, end, kind, size, angle, origin_x, origin_y):
     head = np.full(n_x * n_y, -1, np.int32)  # nodes of a cell, as linked lists
     successor = np.full(most, -1, np.int32)
     nodes = np.empty((most, 2))
+    copy_points(turned, nodes)
     n = 0
     for i in range(n_point):
-        nodes[n] = turned[i]
         k = int((turned[i, 1] - y0) / size) * n_x + int((turned[i, 0] - x0) / size)
         successor[n] = head[k]
         head[k] = n
@@ -140,7 +140,7 @@ def place_lattice(points, start, end, kind, size, angle, origin_x, origin_y):
                         fill[r - first_row] += 1
     most_lattice = 0
     for r in range(n_row):
-        crossings[row_offset[r] : row_offset[r + 1]].sort()
+        sort_range(crossings, row_offset[r], row_offset[r + 1])
         for k in range(row_offset[r], row_offset[r + 1] - 1, 2):
             most_lattice += int((crossings[k + 1] - crossings[k]) / size) + 2
 
@@ -167,7 +167,7 @@ def place_lattice(points, start, end, kind, size, angle, origin_x, origin_y):
                     inner[m, 1] = y
                     m += 1
     placed = np.empty((n_point + m, 2))
-    placed[:n_point] = points
+    copy_points(points, placed)
     for i in range(m):
         placed[n_point + i, 0] = origin_x + cosine * inner[i, 0] - sine * inner[i, 1]
         placed[n_point + i, 1] = origin_y + sine * inner[i, 0] + cosine * inner[i, 1]

@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from kernel.numeric.arrays import copy_points
 from kernel.numeric.compiled import compiled
 from kernel.numeric.halfedge import find_edge, following, preceding
 
@@ -47,11 +48,12 @@ def midpoint_split(points, given, node_of, corner, twin, mate, middle_of, n_tria
     n_coarse = len(points)
     n_half = 3 * n_triangle
     nodes = np.empty((n_given + n_coarse + n_half + n_triangle, 2))
-    nodes[:n_given] = given
+    copy_points(given, nodes)
     n = n_given
     for v in range(n_coarse):
         if node_of[v] >= n_given:
-            nodes[node_of[v]] = points[v]
+            nodes[node_of[v], 0] = points[v, 0]
+            nodes[node_of[v], 1] = points[v, 1]
             n = max(n, node_of[v] + 1)
     middle = np.full(n_half, -1, np.int32)
     for e in range(n_half):

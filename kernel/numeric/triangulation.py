@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from kernel.numeric.arrays import bounds
 from kernel.numeric.carve import carve
 from kernel.numeric.compiled import compiled
 from kernel.numeric.constrain import QUEUE, recover_edge, restore_delaunay
@@ -43,9 +44,10 @@ def triangulate(points, n_seed, start, end, kind, n_spare):
     """
     n = len(points)
     origin = np.empty(2)
-    origin[0] = points[:, 0].min()
-    origin[1] = points[:, 1].min()
-    extent = max(points[:, 0].max() - origin[0], points[:, 1].max() - origin[1])
+    x_low, y_low, x_high, y_high = bounds(points)
+    origin[0] = x_low
+    origin[1] = y_low
+    extent = max(x_high - x_low, y_high - y_low)
     scale = float(1 << (GRID_BITS - 1)) / extent
     n_room = n + 4 + n_spare
     x = np.empty(n_room, np.int64)
