@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from typing import TypeAlias
+from typing import ClassVar, TypeAlias
 
 from kernel.facts import RELATED, TIERS, Facts, Value
 from rules.logic import AND, FALSE, MISSING, NOT, OR, PROVEN, SETTLED, TRUE, at_least, pending
@@ -32,10 +32,11 @@ from rules.syntax import (
     Text,
     Truth,
     WordRef,
+    walk,
 )
 
 EQUAL_WITHIN = 2e-6
-"""Measured numbers within this share of each other are equal: facts carry six digits. Counts are compared exactly."""
+"""Measured numbers within this share of the right side equal it: facts carry six digits. Counts must be exact."""
 
 
 class Unknown:
@@ -65,6 +66,9 @@ class View:
 
     __slots__ = ("absent", "items", "outer", "related", "values", "words")
 
+    NOWHERE: ClassVar[View]
+    """A view of no facts, for expressions that need none."""
+
     def __init__(self, facts: Facts) -> None:
         self.values: Mapping[str, Value] = dict(facts)
         self.absent = ABSENT[TIERS.index(facts.tier)]
@@ -86,6 +90,8 @@ class View:
         self.items[collection] = views
         return views
 
+
+View.NOWHERE = View(Facts({}, TIERS[-1]))
 
 Evaluate = Callable[[View], Evaluated]
 Match = Callable[[View], int]
@@ -133,7 +139,7 @@ def call(function: str, arguments: list[float]) -> Evaluated:
 
 def holds(operator: str, a: float, b: float, measured: bool) -> bool:
     """Whether a comparison holds; measured numbers have a tolerance, so that a limit met exactly is met."""
-    slack = EQUAL_WITHIN * max(abs(a), abs(b)) if measured else 0.0
+    slack = EQUAL_WITHIN * abs(b) if measured else 0.0
     if operator == ">=":
         return a >= b - slack
     if operator == "<=":
@@ -143,6 +149,29 @@ def holds(operator: str, a: float, b: float, measured: bool) -> bool:
     if operator == "<":
         return a < b - slack
     return (abs(a - b) <= slack) == (operator == "==")
+
+
+class Compiler:
+    """Compiles each expression and condition of a rule base once; told apart by identity, as the base keeps them."""
+
+    def __init__(self, parameters: Mapping[str, float]) -> None:
+        self._parameters = parameters
+        self._expressions: dict[int, tuple[Expression, Evaluate]] = {}
+        self._conditions: dict[int, tuple[Condition, Match]] = {}
+
+    def value(self, expression: Expression, view: View) -> Evaluated:
+        """The expression's value."""
+        entry = self._expressions.get(id(expression))
+        if entry is None:
+            entry = self._expressions[id(expression)] = (expression, compile_expression(expression, self._parameters))
+        return entry[1](view)
+
+    def outcome(self, condition: Condition, view: View) -> int:
+        """The condition's outcome."""
+        entry = self._conditions.get(id(condition))
+        if entry is None:
+            entry = self._conditions[id(condition)] = (condition, compile_condition(condition, self._parameters))
+        return entry[1](view)
 
 
 def compile_expression(expression: Expression, parameters: Mapping[str, float]) -> Evaluate:
@@ -241,12 +270,37 @@ def _compile_compare(condition: Compare, parameters: Mapping[str, float]) -> Mat
     left = compile_expression(condition.left, parameters)
     right = compile_expression(condition.right, parameters)
     operator, measured = condition.operator, condition.measured
+    if isinstance(condition.left, FactRef) and not condition.left.outer and is_limit(condition.right):
+        limit = right(View.NOWHERE)
+        if not isinstance(limit, Unknown | str):
+            return _compile_fact_and_limit(
+                condition.left, operator, limit, EQUAL_WITHIN * abs(limit) if measured else 0.0
+            )
 
     def compare(view: View) -> int:
         a, b = left(view), right(view)
         if a.__class__ is Unknown or b.__class__ is Unknown:
             return _of_unknown(unknown_of(a, b))
         return TRUE if holds(operator, a, b, measured) else FALSE  # type: ignore[arg-type]
+
+    return compare
+
+
+def _compile_fact_and_limit(fact: FactRef, operator: str, limit: float, slack: float) -> Match:
+    """The commonest comparison: one fact inside, or outside, an interval that is known beforehand."""
+    name, tier = fact.name, fact.tier
+    low, high = -math.inf, math.inf
+    if operator in (">=", "<", "==", "!="):
+        low = limit - slack
+    if operator in ("<=", ">", "==", "!="):
+        high = limit + slack
+    inside, outside = (FALSE, TRUE) if operator in ("<", ">", "!=") else (TRUE, FALSE)
+
+    def compare(view: View) -> int:
+        value = view.values.get(name)
+        if value is None:
+            return _of_unknown(view.absent[tier])
+        return inside if low <= value <= high else outside  # type: ignore[operator]
 
     return compare
 
@@ -341,7 +395,10 @@ def compile_strength(
         case WordRef(name=name):
             return _extreme_strength(list(words[name]), -1.0)
     crisp = compile_condition(condition, parameters)
-    return lambda view: {TRUE: math.inf, FALSE: -math.inf}.get(crisp(view))
+    return lambda view: _CRISP_STRENGTH.get(crisp(view))
+
+
+_CRISP_STRENGTH = {TRUE: math.inf, FALSE: -math.inf}
 
 
 def distance(a: float, b: float, left_is_limit: bool, right_is_limit: bool) -> float:
@@ -353,8 +410,6 @@ def distance(a: float, b: float, left_is_limit: bool, right_is_limit: bool) -> f
 
 def is_limit(expression: Expression) -> bool:
     """Whether an expression depends on no fact."""
-    from rules.syntax import walk
-
     return not any(isinstance(part, FactRef) for part in walk(expression))
 
 
@@ -363,6 +418,20 @@ def _compare_strength(condition: Compare, parameters: Mapping[str, float]) -> St
     right = compile_expression(condition.right, parameters)
     sign = 1.0 if condition.operator in (">", ">=") else -1.0
     limits = is_limit(condition.left), is_limit(condition.right)
+    limit = right(View.NOWHERE) if limits[1] else NOTHING
+    if (
+        isinstance(condition.left, FactRef)
+        and not condition.left.outer
+        and not isinstance(limit, Unknown | str)
+        and limit
+    ):
+        name, scale = condition.left.name, sign / abs(limit)
+
+        def fact_strength(view: View) -> float | None:
+            value = view.values.get(name)
+            return None if value is None else (value - limit) * scale  # type: ignore[operator]
+
+        return fact_strength
 
     def strength(view: View) -> float | None:
         a, b = left(view), right(view)

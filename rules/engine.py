@@ -23,7 +23,7 @@ from rules.loader import read_definition, read_definition_text
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from rules.compile import Match, Strength, View
+    from rules.compile import Compiler, Match, Strength, View
     from rules.explain import Explanation
     from rules.resolve import Verdict
 
@@ -121,6 +121,13 @@ class RuleBase:
         from rules.explain import explain
 
         return explain(self, facts)
+
+    @cached_property
+    def compiler(self) -> Compiler:
+        """For texts and explanations: the value of an expression, the outcome of a condition, each compiled once."""
+        from rules.compile import Compiler
+
+        return Compiler(self.values)
 
     @cached_property
     def matches(self) -> tuple[Match, ...]:

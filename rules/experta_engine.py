@@ -153,7 +153,9 @@ def _predicate(rule: EngineRule) -> Callable[[Run], bool]:
     index, match = rule.index, rule.match
 
     def may_hold(run: Run) -> bool:
-        found = run.outcomes[index] = match(run.view)
+        found = run.outcomes.get(index)
+        if found is None:
+            found = run.outcomes[index] = match(run.view)
         return bool(found & MAY_BE_TRUE)
 
     return may_hold
@@ -205,6 +207,25 @@ def _identity(activation: Any) -> tuple[int, tuple[int, ...], str]:
     return (activation.rule.salience, numbers, activation.rule.__name__)
 
 
+def _guard(node: Any) -> None:
+    """Ask a rule's predicate before its node copies the token: most rules fail, and the copy costs more than that."""
+    for position, child in enumerate(node.children):
+        _guard(child.node)
+        check = getattr(child.node, "matcher", None)
+        predicate = getattr(getattr(check, "expected", None), "match", None)
+        if predicate is not None:
+            node.children[position] = child._replace(callback=_guarded(child.callback, predicate))
+
+
+def _guarded(callback: Callable[[Any], None], predicate: Callable[[Run], bool]) -> Callable[[Any], None]:
+    def activate(token: Any) -> None:
+        (fact,) = token.data
+        if predicate(fact["run"]):
+            callback(token)
+
+    return activate
+
+
 @lru_cache(maxsize=1)
 def _matcher() -> type:
     """The Rete matcher, which asks only those conflict sets that changed."""
@@ -232,6 +253,10 @@ def _matcher() -> type:
                 node.memory = set()
                 node.added = set()
                 node.removed = set()
+
+        def build_network(self) -> None:
+            super().build_network()
+            _guard(self.root_node)
 
         def _conflict_sets(self) -> list:
             if "_own_conflict_sets" not in self.__dict__:

@@ -13,9 +13,9 @@ from typing import TYPE_CHECKING, Any
 
 from kernel.facts import SPECS, TIERS, Facts, Value
 from kernel.plan import Conclusion, Need, Rejected
-from rules.compile import Unknown, View, compile_expression
+from rules.compile import Unknown, View
 from rules.definition import BANDS, CONCLUSIONS, PREFERENCE, Rule
-from rules.logic import MAY_BE_TRUE, TRUE
+from rules.logic import TRUE
 from rules.resolve import EQUAL_CERTAINTY, Candidate, Verdict
 from rules.syntax import Expression
 from rules.template import format_value
@@ -150,28 +150,41 @@ def conclude(base: RuleBase, verdict: Verdict, view: View, found: Mapping[int, i
     """The verdict as a conclusion, with its reason, margin and the best rejected rule of each other type."""
     winner = verdict.winner
     rule = winner.rules[0]
+    strengths = _strengths(base, verdict, view, found)
     return Conclusion(
         winner.type,
         rule.id,
         winner.certainty,
         because_of(base, rule, view),
-        _rejected(base, verdict, view, found),
-        _margin(base, verdict, view, found)[0],
+        _rejected(base, verdict, view, strengths),
+        _margin(base, verdict, strengths)[0],
         verdict.conflicts,
     )
+
+
+def _strengths(base: RuleBase, verdict: Verdict, view: View, found: Mapping[int, int]) -> dict[int, float | None]:
+    """Strength by rule index, of the rules that made the winner and of those for other types that fail."""
+    type_, made = verdict.winner.type, {rule.id for rule in verdict.winner.rules}
+    return {
+        index: base.strengths[index](view)
+        for index, rule in enumerate(base.rules)
+        if (rule.id in made if rule.segment == type_ else rule.segment is not None and index not in found)
+    }
 
 
 def because_of(base: RuleBase, rule: Rule, view: View) -> str:
     """The rule's reason with its numbers."""
 
     def value_of(expression: Expression) -> object:
-        value = compile_expression(expression, base.values)(view)
+        value = base.compiler.value(expression, view)
         return None if isinstance(value, Unknown) else value
 
     return rule.because.fill(value_of)
 
 
-def _rejected(base: RuleBase, verdict: Verdict, view: View, found: Mapping[int, int]) -> tuple[Rejected, ...]:
+def _rejected(
+    base: RuleBase, verdict: Verdict, view: View, strengths: Mapping[int, float | None]
+) -> tuple[Rejected, ...]:
     """For each type that was decided against, the rule that came nearest, and what spoke against it."""
     rejected = {}
     for candidate in verdict.candidates[1:]:
@@ -179,15 +192,15 @@ def _rejected(base: RuleBase, verdict: Verdict, view: View, found: Mapping[int, 
             against = _outranked(candidate, verdict.winner)
             rejected[candidate.type] = Rejected(candidate.type, candidate.rules[0].id, against)
     nearest: dict[str, tuple[tuple, Rule]] = {}
-    for index, rule in enumerate(base.rules):
-        if rule.segment is None or rule.segment == verdict.winner.type or rule.segment in rejected or index in found:
+    for index, strength in strengths.items():
+        rule = base.rules[index]
+        if rule.segment is None or rule.segment == verdict.winner.type or rule.segment in rejected:
             continue
-        strength = base.strengths[index](view)
         key = (strength if strength is not None else -math.inf, BANDS.index(rule.band), rule.certainty)
         if rule.segment not in nearest or key > nearest[rule.segment][0]:
             nearest[rule.segment] = (key, rule)
     for type_, (_, rule) in nearest.items():
-        against = "; ".join(dict.fromkeys(r.text for r in failing(rule.condition, view, base.values)))
+        against = "; ".join(dict.fromkeys(r.text for r in failing(rule.condition, view, base.compiler)))
         rejected[type_] = Rejected(type_, rule.id, against)
     return tuple(rejected[type_] for type_ in CONCLUSIONS if type_ in rejected)
 
@@ -200,24 +213,27 @@ def _outranked(candidate: Candidate, winner: Candidate) -> str:
     return f"holds, but its certainty {candidate.certainty:.3g} is below {winner.certainty:.3g}"
 
 
-def _margin(base: RuleBase, verdict: Verdict, view: View, found: Mapping[int, int]) -> tuple[float | None, Rule | None]:
+def _margin(
+    base: RuleBase, verdict: Verdict, strengths: Mapping[int, float | None]
+) -> tuple[float | None, Rule | None]:
     """How far the facts may move before the decision changes, and the rule whose threshold that is.
 
     Either nothing of the winner holds any more, or a rule that would beat it begins to hold.
     """
     winner = verdict.winner
-    nearest, deciding = math.inf, None
-    index_of = {rule.id: index for index, rule in enumerate(base.rules)}
-    own = [(base.strengths[index_of[rule.id]](view), rule) for rule in winner.rules]
-    known = [(strength, rule.id, rule) for strength, rule in own if strength is not None]
-    if known:
-        nearest, _, deciding = max(known)
-    for index, rule in enumerate(base.rules):
-        if rule.segment in (None, winner.type) or found.get(index, 0) & MAY_BE_TRUE or not _beats(rule, winner):
+    holding, beginning = -math.inf, math.inf
+    made_by: Rule | None = None
+    beaten_by: Rule | None = None
+    for index, strength in strengths.items():
+        rule = base.rules[index]
+        if strength is None:
             continue
-        strength = base.strengths[index](view)
-        if strength is not None and -strength < nearest:
-            nearest, deciding = -strength, rule
+        if rule.segment == winner.type:
+            if strength > holding:
+                holding, made_by = strength, rule
+        elif -strength < beginning and _beats(rule, winner):
+            beginning, beaten_by = -strength, rule
+    nearest, deciding = (holding, made_by) if holding <= beginning else (beginning, beaten_by)
     return (max(nearest, 0.0), deciding) if math.isfinite(nearest) else (None, None)
 
 
@@ -239,7 +255,7 @@ def explain(base: RuleBase, facts: Facts) -> Explanation:
         answer = Need(TIERS[verdict])
     else:
         answer = conclude(base, verdict, view, found)
-        margin, rule = _margin(base, verdict, view, found)
+        margin, rule = _margin(base, verdict, _strengths(base, verdict, view, found))
         if rule is not None and margin is not None:
             nearest = _nearest_text(base, rule, view, margin)
     reports = [_report(base, index, rule, view) for index, rule in enumerate(base.rules)]
@@ -250,7 +266,7 @@ def explain(base: RuleBase, facts: Facts) -> Explanation:
 
 def _nearest_text(base: RuleBase, rule: Rule, view: View, margin: float) -> str:
     """The comparison whose distance the margin is, and its rule; the rule alone where a word stands between."""
-    for reading in readings(rule.condition, view, base.values):
+    for reading in readings(rule.condition, view, base.compiler):
         if reading.strength is not None and abs(abs(reading.strength) - margin) <= 1e-12:
             return f"{reading.text} (rule {rule.id})"
     return f"rule {rule.id}"
@@ -266,6 +282,6 @@ def _report(base: RuleBase, index: int, rule: Rule, view: View) -> RuleReport:
         rule.certainty,
         state_of(outcome),
         because_of(base, rule, view) if outcome == TRUE else "",
-        tuple(readings(rule.condition, view, base.values)),
+        tuple(readings(rule.condition, view, base.compiler)),
         str(rule.place),
     )

@@ -1,16 +1,16 @@
 """Reading a condition against the facts, so that a person can follow it: each comparison with its numbers.
 
-for reading in readings(condition, view, values):  print(reading.text)      span_ratio 9.98, needs >= 10
+for reading in readings(condition, view, compiler):  print(reading.text)      span_ratio 9.98, needs >= 10
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 from kernel.facts import TIERS
-from rules.compile import NOTHING, Unknown, View, compile_condition, compile_expression, distance, is_limit
+from rules.compile import NOTHING, Compiler, Unknown, View, distance, is_limit
 from rules.logic import FALSE, MISSING, TRUE, tier_of
 from rules.syntax import (
     All,
@@ -55,65 +55,63 @@ class Reading:
     strength: float | None = None
 
 
-def readings(condition: Condition, view: View, values: Mapping[str, float], negated: bool = False) -> Iterator[Reading]:
+def readings(condition: Condition, view: View, compiler: Compiler, negated: bool = False) -> Iterator[Reading]:
     """The readings of all comparisons in the condition, in its order; `not` is taken into the comparison."""
     match condition:
         case All(conditions=parts) | Any(conditions=parts):
             for part in parts:
-                yield from readings(part, view, values, negated)
+                yield from readings(part, view, compiler, negated)
         case Not(condition=inner):
-            yield from readings(inner, view, values, not negated)
+            yield from readings(inner, view, compiler, not negated)
         case Proven(condition=inner):
-            yield from readings(inner, view, values, negated)
+            yield from readings(inner, view, compiler, negated)
         case Compare():
-            yield _compare(condition, view, values, negated)
+            yield _compare(condition, view, compiler, negated)
         case _:
-            yield _crisp(condition, view, values, negated)
+            yield _crisp(condition, view, compiler, negated)
 
 
-def failing(condition: Condition, view: View, values: Mapping[str, float], negated: bool = False) -> Iterator[Reading]:
+def failing(condition: Condition, view: View, compiler: Compiler, negated: bool = False) -> Iterator[Reading]:
     """The readings that keep the condition from holding: false ones, or missing ones where none is false."""
     match condition:
         case All(conditions=parts) if not negated:
-            yield from _failing_of_all(parts, view, values, negated)
+            yield from _failing_of_all(parts, view, compiler, negated)
         case Any(conditions=parts) if negated:
-            yield from _failing_of_all(parts, view, values, negated)
+            yield from _failing_of_all(parts, view, compiler, negated)
         case All(conditions=parts) | Any(conditions=parts):
             for part in parts:
-                yield from failing(part, view, values, negated)
+                yield from failing(part, view, compiler, negated)
         case Not(condition=inner):
-            yield from failing(inner, view, values, not negated)
+            yield from failing(inner, view, compiler, not negated)
         case Proven(condition=inner):
-            yield from failing(inner, view, values, negated)
+            yield from failing(inner, view, compiler, negated)
         case _:
-            yield from (reading for reading in readings(condition, view, values, negated) if reading.state != "holds")
+            yield from (reading for reading in readings(condition, view, compiler, negated) if reading.state != "holds")
 
 
-def _failing_of_all(
-    parts: tuple[Condition, ...], view: View, values: Mapping[str, float], negated: bool
-) -> Iterator[Reading]:
+def _failing_of_all(parts: tuple[Condition, ...], view: View, compiler: Compiler, negated: bool) -> Iterator[Reading]:
     wanted = TRUE if negated else FALSE
-    outcomes = [compile_condition(part, values)(view) for part in parts]
+    outcomes = [compiler.outcome(part, view) for part in parts]
     guilty = [part for part, outcome in zip(parts, outcomes, strict=True) if outcome == wanted]
     if not guilty:
         guilty = [part for part, outcome in zip(parts, outcomes, strict=True) if outcome not in (TRUE, FALSE)]
     for part in guilty:
-        yield from failing(part, view, values, negated)
+        yield from failing(part, view, compiler, negated)
 
 
-def _outcome(condition: Condition, view: View, values: Mapping[str, float], negated: bool) -> str:
-    outcome = compile_condition(condition, values)(view)
+def _outcome(condition: Condition, view: View, compiler: Compiler, negated: bool) -> str:
+    outcome = compiler.outcome(condition, view)
     if negated:
         outcome = {TRUE: FALSE, FALSE: TRUE}.get(outcome, outcome)
     return state_of(outcome)
 
 
-def _compare(condition: Compare, view: View, values: Mapping[str, float], negated: bool) -> Reading:
+def _compare(condition: Compare, view: View, compiler: Compiler, negated: bool) -> Reading:
     operator = NEGATED[condition.operator] if negated else condition.operator
-    left = compile_expression(condition.left, values)(view)
-    right = compile_expression(condition.right, values)(view)
+    left = compiler.value(condition.left, view)
+    right = compiler.value(condition.right, view)
     shown = Compare(operator, condition.left, condition.right, condition.measured)
-    state = _outcome(condition, view, values, negated)
+    state = _outcome(condition, view, compiler, negated)
     text = f"{_with_value(condition.left, left)}, needs {operator} {_limit(condition.right, right)}"
     strength = None
     if condition.measured and not isinstance(left, Unknown | str) and not isinstance(right, Unknown | str):
@@ -124,31 +122,31 @@ def _compare(condition: Compare, view: View, values: Mapping[str, float], negate
     return Reading(text_of(shown), text, state, strength)
 
 
-def _crisp(condition: Condition, view: View, values: Mapping[str, float], negated: bool) -> Reading:
+def _crisp(condition: Condition, view: View, compiler: Compiler, negated: bool) -> Reading:
     """A reading of a condition that no number decides."""
-    outcome = compile_condition(condition, values)(view)
+    outcome = compiler.outcome(condition, view)
     if negated:
         outcome = {TRUE: FALSE, FALSE: TRUE}.get(outcome, outcome)
     sign = "not " if negated else ""
     written = text_of(Not(condition)) if negated else text_of(condition)
     match condition:
         case Member(expression=expression, choices=choices):
-            found = _value_text(compile_expression(expression, values)(view))
+            found = _value_text(compiler.value(expression, view))
             text = f"{text_of(expression)} {found}, needs {sign}{' or '.join(choices)}"
         case Truth(expression=expression):
-            found = _value_text(compile_expression(expression, values)(view))
+            found = _value_text(compiler.value(expression, view))
             text = f"{text_of(expression)} {found}, needs {'no' if negated else 'yes'}"
         case WordRef(name=name):
             text = f"{name} {_word_text(view.words.get(name, MISSING))}, needs {'no' if negated else 'yes'}"
         case Known(expression=expression):
-            found = _value_text(compile_expression(expression, values)(view))
+            found = _value_text(compiler.value(expression, view))
             text = f"{text_of(expression)} {found}, needs {'no' if negated else 'some'} value"
         case Quantified(collection=collection, least=least, condition=inner):
             things = view.things(collection)
             if isinstance(things, Unknown):
                 text = f"{collection} {_value_text(things)}, needs {sign}at least {least}: {text_of(inner)}"
             else:
-                count = sum(compile_condition(inner, values)(thing) == TRUE for thing in things)
+                count = sum(compiler.outcome(inner, thing) == TRUE for thing in things)
                 text = f"{count} of {len(things)} {collection}, needs {sign}at least {least}: {text_of(inner)}"
         case _:
             text = written
