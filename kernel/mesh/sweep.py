@@ -1,0 +1,121 @@
+"""Sweep a meshed region through levels: quads become hexes, triangles become wedges.
+
+Node k * n_point + p stands at point p of the region on level k. Quad 0 1 2 3 of the region becomes the hex of its
+corners on one level (the bottom) and on the next (the top), in elements.py's order; a triangle likewise. The region's
+elements run counter-clockwise and levels rise along its normal; where the lift mirrors, elements are turned so that
+volumes are positive.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kernel.errors import MeshError
+from kernel.mesh.region import RegionMesh
+from kernel.mesh.shapes import corner_rule, jacobians, measures
+
+Lift = Callable[[NDArray[np.float64], float], NDArray[np.float64]]
+"""(points (n, 2), level) -> places (n, 3)."""
+
+_MIRRORED_HEX = [0, 3, 2, 1, 4, 7, 6, 5]
+_MIRRORED_WEDGE = [0, 2, 1, 3, 5, 4]
+
+_SAME_LEVEL = 1e-9
+"""Levels nearer to one another than this share of their whole range are one."""
+
+
+def sweep(
+    section: RegionMesh,
+    lift: Lift,
+    levels: NDArray[np.float64],
+    *,
+    present: NDArray[np.bool_] | None = None,
+    is_closed: bool = False,
+) -> tuple[NDArray[np.float64], NDArray[np.int64], NDArray[np.int64]]:
+    """(nodes (n, 3), hexes (k, 8), wedges (m, 6)), layer by layer, in the order of the section's elements.
+
+    levels: (n_level,) increasing or decreasing. Node k * n_point + p is point p at level k, unless `present` leaves
+    some out. present: (n_level - 1, n_quad + n_triangle) False where a layer lacks an element of the section, as when
+    stacked bodies share layers; nodes that nothing uses are then dropped, the others keep their order.
+    is_closed: the last layer runs from the last level back to the first, without nodes of its own (full turns).
+    MeshError: an element would be flat or inverted.
+    """
+    levels = np.asarray(levels, dtype=np.float64)
+    n_layer = len(levels) if is_closed else len(levels) - 1
+    if n_layer < 1:
+        raise MeshError(f"a sweep through {len(levels)} level(s), expected at least two")
+    n_point = len(section.points)
+    nodes = np.concatenate([np.asarray(lift(section.points, float(level)), np.float64) for level in levels])
+    low = np.arange(n_layer) * n_point
+    high = (np.arange(n_layer) + 1) % len(levels) * n_point
+    hexes = _layers(section.quads, low, high)
+    wedges = _layers(section.triangles, low, high)
+    if _mirrors(nodes, hexes, wedges):
+        hexes, wedges = hexes[:, _MIRRORED_HEX], wedges[:, _MIRRORED_WEDGE]
+    if present is not None:
+        n_quad = len(section.quads)
+        hexes = hexes[np.asarray(present)[:, :n_quad].ravel()]
+        wedges = wedges[np.asarray(present)[:, n_quad:].ravel()]
+        nodes, (hexes, wedges) = compacted(nodes, (hexes, wedges))
+    for kind, elements in (("hex8", hexes), ("wedge6", wedges)):
+        _refuse_folded(kind, nodes, elements)
+    return nodes, hexes, wedges
+
+
+def divide_levels(breaks: Sequence[float] | NDArray[np.float64], size: float) -> NDArray[np.float64]:
+    """(n_level,) increasing levels that hold every break, with even steps of about `size` between two breaks."""
+    ordered = np.unique(np.asarray(breaks, dtype=np.float64))
+    if len(ordered) < 2 or not size > 0.0:
+        raise MeshError(
+            f"levels between {len(ordered)} break(s) at size {size:g}, expected two breaks and a size above 0"
+        )
+    apart = np.append(True, np.diff(ordered) > _SAME_LEVEL * (ordered[-1] - ordered[0]))
+    ordered = ordered[apart]
+    steps = [
+        np.linspace(start, end, max(1, round((end - start) / size)), endpoint=False) for start, end in pairwise(ordered)
+    ]
+    return np.concatenate([*steps, ordered[-1:]])
+
+
+def compacted(
+    nodes: NDArray[np.float64], elements: Sequence[NDArray[np.int64]]
+) -> tuple[NDArray[np.float64], list[NDArray[np.int64]]]:
+    """The nodes that the elements use, in their order, and the elements on those."""
+    used = np.zeros(len(nodes), bool)
+    for block in elements:
+        used[block.ravel()] = True
+    place = np.cumsum(used) - 1
+    return nodes[used], [place[block] for block in elements]
+
+
+def _layers(faces: NDArray[np.int64], low: NDArray[np.int64], high: NDArray[np.int64]) -> NDArray[np.int64]:
+    """(n_layer * n_face, 2 k) the faces between each low and high level."""
+    k = faces.shape[1]
+    bottom = faces[None, :, :] + low[:, None, None]
+    top = faces[None, :, :] + high[:, None, None]
+    return np.concatenate([bottom, top], axis=2).reshape(-1, 2 * k)
+
+
+def _mirrors(nodes: NDArray[np.float64], hexes: NDArray[np.int64], wedges: NDArray[np.int64]) -> bool:
+    total = 0.0
+    for kind, elements in (("hex8", hexes), ("wedge6", wedges)):
+        if len(elements):
+            total += float(measures(jacobians(nodes[elements], corner_rule(kind))).sum())
+    return total < 0.0
+
+
+def _refuse_folded(kind: str, nodes: NDArray[np.float64], elements: NDArray[np.int64]) -> None:
+    if not len(elements):
+        return
+    least = measures(jacobians(nodes[elements], corner_rule(kind))).min(axis=1)
+    bad = np.flatnonzero(~(least > 0.0))
+    if len(bad):
+        x, y, z = nodes[elements[bad[0]]].mean(axis=0)
+        raise MeshError(
+            f"{len(bad)} of {len(elements)} swept {kind} elements are flat or inverted, the first at "
+            f"({x:g}, {y:g}, {z:g}); expected a section without folds and levels apart from one another"
+        )

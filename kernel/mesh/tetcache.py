@@ -1,0 +1,87 @@
+"""A folder of finished tetrahedral meshes by the hash of their input, so that the same input gives the same bytes.
+
+The mesher itself is not repeatable, not even with one thread. CSGMESH_CACHE names the folder; without it, the user's
+cache folder of the platform is taken. A folder that cannot be written to only costs the repeatability.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import hashlib
+import os
+import sys
+import tempfile
+import zipfile
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+Tets = tuple[NDArray[np.float64], NDArray[np.int64]]
+
+MAX_BYTES = 1_000_000_000
+"""The oldest entries go when the folder grows beyond this."""
+
+
+def cache_folder() -> Path:
+    """Where finished meshes are kept; may not exist yet."""
+    named = os.environ.get("CSGMESH_CACHE")
+    if named:
+        return Path(named) / "tets"
+    if sys.platform == "win32":
+        base = Path(os.environ.get("LOCALAPPDATA") or Path.home() / "AppData" / "Local")
+    elif sys.platform == "darwin":
+        base = Path.home() / "Library" / "Caches"
+    else:
+        base = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
+    return base / "csgmesh" / "tets"
+
+
+def key_of(vertices: NDArray[np.float64], triangles: NDArray[np.int64], *settings: object) -> str:
+    """Hash of the exact input and settings."""
+    digest = hashlib.sha256(repr(settings).encode())
+    for array in (vertices, triangles):
+        digest.update(repr((array.shape, array.dtype.str)).encode())
+        digest.update(np.ascontiguousarray(array).tobytes())
+    return digest.hexdigest()
+
+
+def load(key: str) -> Tets | None:
+    """The mesh kept under `key`, or None where there is none that can be read."""
+    path = cache_folder() / f"{key}.npz"
+    try:
+        with np.load(path, allow_pickle=False) as kept:
+            tets = kept["nodes"].astype(np.float64), kept["tets"].astype(np.int64)
+    except (OSError, KeyError, ValueError, zipfile.BadZipFile):
+        return None
+    with contextlib.suppress(OSError):
+        os.utime(path)  # entries go by last use
+    return tets
+
+
+def store(key: str, tets: Tets) -> None:
+    """Keep a mesh under `key`; whole or not at all."""
+    folder = cache_folder()
+    with contextlib.suppress(OSError):
+        folder.mkdir(parents=True, exist_ok=True)
+        handle, name = tempfile.mkstemp(dir=folder, suffix=".part")
+        try:
+            with os.fdopen(handle, "wb") as part:
+                np.savez(part, nodes=tets[0], tets=tets[1])
+            os.replace(name, folder / f"{key}.npz")
+        finally:
+            Path(name).unlink(missing_ok=True)
+        _prune(folder)
+
+
+def _prune(folder: Path) -> None:
+    entries = sorted(
+        ((entry.stat().st_mtime, entry.stat().st_size, entry) for entry in folder.glob("*.npz")),
+        key=lambda row: row[:2],
+    )
+    total = sum(size for _, size, _ in entries)
+    for _, size, entry in entries:
+        if total <= MAX_BYTES:
+            return
+        entry.unlink(missing_ok=True)
+        total -= size
