@@ -23,6 +23,9 @@ from kernel.solid.surfaces import CylinderSurface, FacetedSurface, Plane, Surfac
 from kernel.solid.table import SurfaceTable
 
 Array = NDArray[np.float64]
+SEAM_GRID = 1e-9
+"""Outlines that close over the seam are rounded to this share of the model's size, so that their ends meet."""
+
 PolygonLike: TypeAlias = Polygon | MultiPolygon
 
 
@@ -167,13 +170,14 @@ def domain(topology: Topology, sheet: Sheet, rings: list[list[Stretch]]) -> Poly
     high = max(float(line[:, 1].max()) for line in lines)
     window = shapely.box(0.0, low - period, period, high + period)
     copies = [shapely.LineString(line + (k * period, 0.0)) for line in lines for k in (-2, -1, 0, 1, 2)]
-    cut = shapely.intersection(shapely.union_all(copies), window)
-    cells = shapely.polygonize(list(shapely.get_parts(shapely.union_all([cut, window.boundary]))))
+    grid = SEAM_GRID * topology.carriers.reach
+    cut = shapely.intersection(shapely.union_all(copies, grid_size=grid), window, grid_size=grid)
+    cells = shapely.polygonize(list(shapely.get_parts(shapely.union_all([cut, window.boundary], grid_size=grid))))
     kept = []
     for cell in shapely.get_parts(cells):
         inner = cell.representative_point()
         below = shapely.LineString([(inner.x, low - 2 * period), (inner.x, inner.y)])
-        if len(shapely.get_parts(below.intersection(cut))) % 2:
+        if sum(not part.is_empty for part in shapely.get_parts(below.intersection(cut))) % 2:
             kept.append(cell)
     return shapely.union_all(kept) if kept else Polygon()
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 from kernel.connect.joints import Joint
 from kernel.idealise.beam import Beam
@@ -11,10 +12,18 @@ from kernel.idealise.topology import Topology
 from kernel.idealise.walls import Crossing, Wall
 from kernel.segment.segments import Segment
 
+if TYPE_CHECKING:
+    from kernel.idealise.brick import SweepGroup
+    from kernel.idealise.footprints import Seat
+
 
 @dataclass(slots=True, eq=False)
 class Parts:
-    """walls, beams: by segment id, in the order of the segments. warnings: one line each."""
+    """walls, beams: by segment id, in the order of the segments. warnings: one line each.
+
+    sweeps: groups of swept bricks. hosts: by brick, the wall whose elements it continues, and the joint there.
+    seats: by beam, the walls that it lies along.
+    """
 
     topology: Topology
     segments: dict[str, Segment]
@@ -22,6 +31,9 @@ class Parts:
     walls: dict[str, Wall] = field(default_factory=dict)
     beams: dict[str, Beam] = field(default_factory=dict)
     crossings: list[Crossing] = field(default_factory=list)
+    sweeps: list[SweepGroup] = field(default_factory=list)
+    hosts: dict[str, tuple[Wall, Joint]] = field(default_factory=dict)
+    seats: dict[str, list[Seat]] = field(default_factory=dict)
     warnings: list[str] = field(default_factory=list)
 
     def neighbours(self) -> dict[str, list[str]]:

@@ -69,7 +69,7 @@ def join_walls(
     for wall in walls:
         if wall.index in by_wall:
             region = _region(topology, wall, by_wall[wall.index], nearby[wall.index])
-            wall.outline = _outline(topology, wall, region, {c.carrier for c in by_wall[wall.index]})
+            wall.outline = outline_of(topology, wall, region, {c.carrier for c in by_wall[wall.index]})
             wall.region = region
 
 
@@ -148,7 +148,7 @@ def _material(topology: Topology, wall: Wall, nearby: list[Segment]) -> list[Pol
 # ---------------------------------------------------------------- polygons back onto carriers
 
 
-def _outline(topology: Topology, wall: Wall, region: PolygonLike, joint_carriers: set[int]) -> list[Stretch]:
+def outline_of(topology: Topology, wall: Wall, region: PolygonLike, joint_carriers: set[int]) -> list[Stretch]:
     """The region's outline as stretches of carriers, the region on their left."""
     lines = {number: _drawn(topology, wall.sheet, number, region) for number in sorted(set(wall.known))}
     lines = {number: line for number, line in lines.items() if line is not None}

@@ -95,12 +95,16 @@ def make_wall(topology: Topology, index: int, segment: Segment) -> Wall:
     return wall
 
 
-def section_outline(topology: Topology, solid: Solid, sheet: Sheet) -> list[list[Stretch]]:
-    """The rings in which a solid meets a sheet, on carriers; rings that enclose nothing are left out."""
+def section_outline(topology: Topology, solid: Solid, sheet: Sheet, onto: Sheet | None = None) -> list[list[Stretch]]:
+    """The rings in which a solid meets a sheet, on carriers; rings that enclose nothing are left out.
+
+    onto: another sheet on which they are laid, for a solid that has the same section there.
+    """
     rings = []
     for ring in sheet_rings(solid, sheet):
         if _encloses(sheet, ring.points, topology.tolerance):
-            stretches = trace_ring(topology, solid.surfaces, sheet, ring.points, ring.labels)
+            points = ring.points if onto is None else project(ring.points, (onto.surface,))
+            stretches = trace_ring(topology, solid.surfaces, onto or sheet, points, ring.labels)
             if stretches:
                 rings.append(stretches)
     return rings

@@ -12,6 +12,8 @@ import numpy as np
 
 from kernel.connect.joints import Joint
 from kernel.idealise.beam import make_beam
+from kernel.idealise.brick import group_bricks
+from kernel.idealise.footprints import cut_edges, footprint_candidates, lap_candidates, seats
 from kernel.idealise.imprints import crossing_candidates, imprint, lay_outlines, outline_candidates
 from kernel.idealise.ledger import volume_ledger
 from kernel.idealise.members import Assembly
@@ -20,11 +22,13 @@ from kernel.idealise.regions import join_walls
 from kernel.idealise.topology import BOUNDARY, Topology
 from kernel.idealise.walls import find_crossings, make_wall
 from kernel.mesh.beams import mesh_beams
+from kernel.mesh.bricks import mesh_bricks
 from kernel.mesh.faces import FaceMesh, SeededCurve, mesh_face, seed_curves
 from kernel.mesh.mesh import ElementBlock, Mesh
 from kernel.mesh.nodes import NodeTable
 from kernel.mesh.options import MeshOptions
 from kernel.mesh.size_field import automatic_size
+from kernel.mesh.ties import Meshed, beam_stations, make_ties
 from kernel.segment.segments import Segment
 from kernel.units import VERTEX_TOLERANCE
 
@@ -52,7 +56,7 @@ def assemble(
     """
     report = progress or _silent
     size = options.size or automatic_size(segments, evaluated.size)
-    parts = idealise(segments, joints, evaluated.size)
+    parts = idealise(segments, joints, evaluated.size, options.volumes)
     report("idealised", 0.2)
     nodes = NodeTable()
     sizes = {segment.id: _size_of(segment, options, size) for segment in segments}
@@ -66,15 +70,23 @@ def assemble(
     faces = _mesh_faces(parts, curves, sizes, options.faces, nodes, report)
     for name, face in faces.items():
         blocks[name] += _blocks(name, face)
-    for name, block in mesh_beams(parts, curves, sizes, nodes).items():
+    bricks = mesh_bricks(parts, faces, sizes, options, nodes)
+    for name, brick in bricks.items():
+        blocks[name] += brick.blocks
+    for joint in joints:
+        beam_stations(parts, joint, sizes)
+    lines, seated = mesh_beams(parts, curves, sizes, nodes)
+    for name, block in lines.items():
         blocks[name].append(block)
-    report("meshed", 1.0)
+    report("meshed", 0.9)
+    ties = make_ties(Meshed(parts, curves, faces, bricks, seated, nodes.points))
+    report("tied", 1.0)
     return Assembly(
         segments=tuple(segments),
         joints=tuple(joints),
         mesh=Mesh(nodes.points, tuple(block for segment in segments for block in blocks[segment.id])),
         sections={name: beam.section for name, beam in parts.beams.items()},
-        ties=(),
+        ties=ties,
         ledger=volume_ledger(parts, joints),
         curve_uses=_curve_uses(curves),
         warnings=tuple(parts.warnings),
@@ -82,8 +94,11 @@ def assemble(
     )
 
 
-def idealise(segments: Sequence[Segment], joints: Sequence[Joint], size: float) -> Parts:
-    """Walls joined to one topology with all their imprints, beams with their axes. size: the model's."""
+def idealise(segments: Sequence[Segment], joints: Sequence[Joint], size: float, volumes: str = "auto") -> Parts:
+    """Walls joined to one topology with all their imprints, beams with their axes, swept bricks in groups.
+
+    size: the model's. volumes: as in MeshOptions.
+    """
     topology = Topology(VERTEX_TOLERANCE * size, size)
     parts = Parts(topology, {segment.id: segment for segment in segments}, tuple(joints))
     for segment in segments:
@@ -95,7 +110,16 @@ def idealise(segments: Sequence[Segment], joints: Sequence[Joint], size: float) 
     crossings = find_crossings(topology, walls, joints)
     join_walls(topology, walls, crossings, parts.surroundings(crossings))
     lay_outlines(topology, walls)
-    imprint(topology, [*crossing_candidates(topology, crossings), *outline_candidates(topology, walls, joints)])
+    candidates = [*crossing_candidates(topology, crossings), *outline_candidates(topology, walls, joints)]
+    candidates += [*footprint_candidates(parts), *lap_candidates(parts)]
+    axes, parts.seats = seats(parts)
+    candidates += axes
+    if volumes != "tet":
+        parts.sweeps, outlines = group_bricks(segments, joints, parts.walls, topology)
+        candidates += outlines
+        parts.hosts = {brick.segment.id: group.host for group in parts.sweeps if group.host for brick in group.bricks}
+    imprint(topology, candidates)
+    cut_edges(parts)
     parts.crossings = crossings
     return parts
 

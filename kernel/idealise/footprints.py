@@ -1,0 +1,227 @@
+"""Footprints: what beams, bricks and lapping plates imprint in the walls that they meet."""
+
+from __future__ import annotations
+
+import itertools
+from dataclasses import dataclass
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from kernel.connect.joints import Joint
+from kernel.errors import ConnectError
+from kernel.idealise.beam import Beam
+from kernel.idealise.implicit import project
+from kernel.idealise.imprints import Candidate
+from kernel.idealise.outlines import Stretch, stretch_between, trace_ring
+from kernel.idealise.parts import Parts
+from kernel.idealise.rings import boundary_rings
+from kernel.idealise.sheets import Sheet
+from kernel.idealise.topology import Topology
+from kernel.idealise.walls import Wall, patch_points
+from kernel.segment.faces import faces_of
+from kernel.segment.segments import Segment
+from kernel.solid.surfaces import FacetedSurface, Plane, signed_distance
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Seat:
+    """Where a beam lies along a wall: nodes of the wall on this carrier, between the beam's offsets, get beam nodes.
+
+    edge: whether they are on the wall's outline, not on an imprint.
+    """
+
+    joint: Joint
+    wall: Wall
+    carrier: int
+    start: float
+    end: float
+    edge: bool
+
+
+def is_on_face(wall: Wall, joint: Joint) -> bool:
+    """Whether the joint lies on one of the wall's two faces (not on its edge)."""
+    shape = wall.segment.shape
+    if joint.surface in shape.surface_ids:  # type: ignore[union-attr]
+        return True
+    surface = wall.segment.solid.surfaces.surfaces[joint.surface]
+    if isinstance(surface, FacetedSurface):
+        return False
+    points = patch_points(surface, joint.patch)
+    return bool(
+        np.abs(np.abs(signed_distance(wall.sheet.surface, points)) - 0.5 * wall.thickness).max()
+        <= 1e-6 * wall.segment.solid.surfaces.size
+    )
+
+
+def footprint(topology: Topology, sheet: Sheet, segment: Segment, joint: Joint) -> list[list[Stretch]]:
+    """The outline of the segment's face on the joint's surface, carried to the sheet along the segment's own sides."""
+    table = segment.solid.surfaces
+    faces = faces_of(segment.solid)
+    outlines = []
+    for side in (1, -1):
+        if (joint.surface, side) not in faces.areas:
+            continue
+        out = side * _normal_at(table.surfaces[joint.surface], joint.centre)
+        leaving = joint.normal if joint.segments[0] == segment.id else -joint.normal
+        if out @ leaving < 0:
+            continue
+        for ring in boundary_rings(faces.facets, faces.mask(joint.surface, side)):
+            points = project(ring.points, (sheet.surface,))
+            stretches = trace_ring(topology, table, sheet, points, ring.labels)
+            if stretches:
+                outlines.append(stretches)
+    return outlines
+
+
+def _normal_at(surface: object, point: Array) -> Array:
+    from kernel.solid.surfaces import outward
+
+    return outward(surface, point[None])[0]  # type: ignore[arg-type]
+
+
+def footprint_candidates(parts: Parts) -> list[Candidate]:
+    """Outlines of beam ends and brick faces in the walls that they stand on."""
+    found = []
+    for joint in parts.joints:
+        for name, other in (joint.segments, joint.segments[::-1]):
+            wall = parts.walls.get(name)
+            if wall is None or other in parts.walls or not is_on_face(wall, joint):
+                continue
+            if other in parts.beams and joint.kind == "along":
+                continue
+            for ring in footprint(parts.topology, wall.sheet, parts.segments[other], joint):
+                found += [Candidate(wall, stretch) for stretch in ring]
+    return found
+
+
+def lap_candidates(parts: Parts) -> list[Candidate]:
+    """The outline of a lap, in both plates."""
+    found = []
+    for joint in parts.joints:
+        if joint.kind != "lap":
+            continue
+        surface = parts.segments[joint.segments[0]].solid.surfaces.surfaces[joint.surface]
+        for name in joint.segments:
+            wall = parts.walls[name]
+            for part in shapely.get_parts(joint.patch):
+                for ring in (part.exterior, *part.interiors):
+                    found += _patch_outline(parts.topology, wall, surface, np.asarray(ring.coords)[:, :2])
+    return found
+
+
+def _patch_outline(topology: Topology, wall: Wall, surface: object, flat: Array) -> list[Candidate]:
+    """Straight pieces of a patch's outline, in the wall's mid-plane."""
+    assert isinstance(surface, Plane)
+    points = flat[:, :1] * surface.u + flat[:, 1:] * surface.v + surface.offset * surface.normal
+    points = project(points, (wall.sheet.surface,))
+    found = []
+    for first, last in itertools.pairwise(points):
+        if np.linalg.norm(last - first) > 4 * topology.tolerance:
+            number = topology.carriers.line(first, last - first)
+            found.append(Candidate(wall, stretch_between(topology, number, first, last, 0.5 * (first + last))))
+    return found
+
+
+# ---------------------------------------------------------------- beams along walls
+
+
+def seats(parts: Parts) -> tuple[list[Candidate], dict[str, list[Seat]]]:
+    """The axes of beams that lie along walls, as candidates for imprints, and the seats by beam."""
+    candidates: list[Candidate] = []
+    found: dict[str, list[Seat]] = {}
+    for joint in parts.joints:
+        if joint.kind != "along":
+            continue
+        for name, other in (joint.segments, joint.segments[::-1]):
+            if name in parts.beams and other in parts.walls:
+                beam, wall = parts.beams[name], parts.walls[other]
+                edge = not is_on_face(wall, joint)
+                carrier, start, end = (
+                    _edge_seat(parts, beam, wall, joint) if edge else _axis_seat(parts, beam, wall, joint)
+                )
+                found.setdefault(name, []).append(Seat(joint, wall, carrier, start, end, edge))
+                if not edge:
+                    points = project(np.array([beam.at(start), beam.at(end)]), (wall.sheet.surface,))
+                    stretch = stretch_between(parts.topology, carrier, points[0], points[1], points.mean(axis=0))
+                    candidates.append(Candidate(wall, stretch))
+    return candidates, found
+
+
+def _patch_range(parts: Parts, beam: Beam, joint: Joint) -> tuple[float, float]:
+    surface = beam.segment.solid.surfaces.surfaces[joint.surface]
+    offsets = _outline_points(surface, joint) @ beam.direction
+    return beam.offset_of(offsets.min() * beam.direction), beam.offset_of(offsets.max() * beam.direction)
+
+
+def _outline_points(surface: object, joint: Joint) -> Array:
+    """All corners (n, 3) of a joint's patch."""
+    flat = np.vstack([np.asarray(part.exterior.coords)[:, :2] for part in shapely.get_parts(joint.patch)])
+    if isinstance(surface, Plane):
+        return flat[:, :1] * surface.u + flat[:, 1:] * surface.v + surface.offset * surface.normal
+    from shapely import MultiPoint
+
+    return patch_points(surface, MultiPoint(flat).convex_hull)  # type: ignore[arg-type]
+
+
+def _axis_seat(parts: Parts, beam: Beam, wall: Wall, joint: Joint) -> tuple[int, float, float]:
+    """The carrier of the beam's axis brought onto the wall's sheet, and the offsets of the beam along which it lies."""
+    start, end = _patch_range(parts, beam, joint)
+    ends = project(np.array([beam.at(start), beam.at(end)]), (wall.sheet.surface,))
+    along = ends[1] - ends[0]
+    if np.linalg.norm(np.cross(along / np.linalg.norm(along), beam.direction)) > 1e-6:
+        raise ConnectError(
+            f"{beam.segment.id} lies along {wall.segment.id} ({joint.id}) but not parallel to its mid-surface, "
+            "expected a beam along a plate, or along a cylinder-plate's axis"
+        )
+    return parts.topology.carriers.line(ends[0], along), start, end
+
+
+def _edge_seat(parts: Parts, beam: Beam, wall: Wall, joint: Joint) -> tuple[int, float, float]:
+    """The carrier of the wall's edge that a beam runs along."""
+    start, end = _patch_range(parts, beam, joint)
+    carriers = edge_carriers(parts.topology, wall, joint)
+    if not carriers:
+        raise ConnectError(
+            f"{beam.segment.id} lies along an edge of {wall.segment.id} ({joint.id}) that is no part of the "
+            "mid-surface's outline any more"
+        )
+    return carriers[0], start, end
+
+
+def edge_carriers(topology: Topology, wall: Wall, joint: Joint) -> list[int]:
+    """Carriers of the wall's outline that lie on the joint's surface."""
+    surface = wall.segment.solid.surfaces.surfaces[joint.surface]
+    if isinstance(surface, FacetedSurface):
+        return []
+    found = set()
+    for stretch in wall.outline:
+        points = topology.carrier(stretch.carrier).at(np.linspace(stretch.start, stretch.end, 5))
+        if np.abs(signed_distance(surface, points)).max() <= 4 * topology.tolerance:
+            found.add(stretch.carrier)
+    return sorted(found)
+
+
+def cut_edges(parts: Parts) -> None:
+    """Vertices on the edges of walls where what stands against them begins and ends."""
+    for joint in parts.joints:
+        for name, other in (joint.segments, joint.segments[::-1]):
+            wall = parts.walls.get(name)
+            if wall is None or other in parts.walls or is_on_face(wall, joint):
+                continue
+            surface = wall.segment.solid.surfaces.surfaces[joint.surface]
+            points = project(_outline_points(surface, joint), (wall.sheet.surface,))
+            for number in edge_carriers(parts.topology, wall, joint):
+                carrier = parts.topology.carrier(number)
+                if carrier.period is not None:
+                    continue
+                values = carrier.parameters(points)
+                for stretch in wall.outline:
+                    if stretch.carrier != number:
+                        continue
+                    for value in (float(values.min()), float(values.max())):
+                        if stretch.start < value < stretch.end:
+                            parts.topology.cut(number, value, carrier.at(np.array([value]))[0])

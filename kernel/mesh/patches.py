@@ -1,0 +1,110 @@
+"""Element faces on a surface: which of them a patch covers, how much each node gets of it, and where points lie."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from kernel.solid.surfaces import CylinderSurface, Plane, Surface, signed_distance
+
+Array = NDArray[np.float64]
+Indices = NDArray[np.int64]
+
+
+def flatten(surface: Surface, points: Array) -> Array:
+    """Points (n, 3) in the coordinates of joints' patches: (x.u, x.v), or (radius * angle, z) within +-half a turn."""
+    if isinstance(surface, Plane):
+        return np.stack([points @ surface.u, points @ surface.v], axis=1)
+    assert isinstance(surface, CylinderSurface)
+    axis = surface.axis
+    relative = points - axis.point
+    angle = np.arctan2(relative @ axis.y, relative @ axis.x)
+    return np.stack([surface.radius * angle, relative @ axis.direction], axis=1)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SurfaceFaces:
+    """Element faces that lie on a surface. corners: node numbers of each, 3 or 4; flat: their coordinates.
+
+    surface: whose; tree: over the flat polygons.
+    """
+
+    surface: Surface
+    corners: tuple[Indices, ...]
+    flat: tuple[Array, ...]
+    polygons: NDArray[np.object_]
+    tree: shapely.STRtree
+
+    @property
+    def nodes(self) -> Indices:
+        """All their nodes, sorted."""
+        return np.unique(np.concatenate(self.corners)) if self.corners else np.empty(0, np.int64)
+
+
+def faces_on(surface: Surface, groups: Sequence[Indices], points: Array, tolerance: float) -> SurfaceFaces:
+    """Those faces (arrays of corners) whose nodes all lie within `tolerance` of the surface. points: of all nodes."""
+    corners: list[Indices] = []
+    flat: list[Array] = []
+    for group in groups:
+        if not len(group):
+            continue
+        used, place = np.unique(group, return_inverse=True)
+        on = np.abs(signed_distance(surface, points[used])) <= tolerance
+        at = flatten(surface, points[used])
+        place = place.reshape(group.shape)
+        for row in np.nonzero(on[place].all(axis=1))[0]:
+            corners.append(group[row])
+            flat.append(_unbroken(surface, at[place[row]]))
+    polygons = np.array([shapely.Polygon(face) for face in flat], dtype=object)
+    return SurfaceFaces(surface, tuple(corners), tuple(flat), polygons, shapely.STRtree(polygons))
+
+
+def _unbroken(surface: Surface, flat: Array) -> Array:
+    """A face's corners without a jump where it crosses the angle +-pi."""
+    if isinstance(surface, CylinderSurface):
+        turn = 2 * np.pi * surface.radius
+        flat = flat.copy()
+        flat[:, 0] -= turn * np.round((flat[:, 0] - flat[0, 0]) / turn)
+    return flat
+
+
+def shape_functions(corners: Array, point: Array) -> Array:
+    """Weights (3,) or (4,) of a triangle's or quad's corners (n, 2) at a point (2,), linear or bilinear."""
+    if len(corners) == 3:
+        system = np.vstack([corners.T, np.ones(3)])
+        return np.linalg.solve(system, np.array([*point, 1.0]))
+    r = s = 0.0
+    for _ in range(30):
+        weights = 0.25 * np.array([(1 - r) * (1 - s), (1 + r) * (1 - s), (1 + r) * (1 + s), (1 - r) * (1 + s)])
+        by_r = 0.25 * np.array([-(1 - s), 1 - s, 1 + s, -(1 + s)])
+        by_s = 0.25 * np.array([-(1 - r), -(1 + r), 1 + r, 1 - r])
+        step = np.linalg.solve(np.stack([by_r @ corners, by_s @ corners], axis=1), weights @ corners - point)
+        r, s = float(np.clip(r - step[0], -3, 3)), float(np.clip(s - step[1], -3, 3))
+        if np.abs(step).max() < 1e-14:
+            break
+    return 0.25 * np.array([(1 - r) * (1 - s), (1 + r) * (1 - s), (1 + r) * (1 + s), (1 - r) * (1 + s)])
+
+
+def node_areas(faces: SurfaceFaces, patch: shapely.Geometry) -> tuple[Indices, Array]:
+    """Nodes of the faces that the patch covers, and the part of its area that falls to each."""
+    areas: dict[int, float] = {}
+    for index in sorted(faces.tree.query(patch).tolist()):
+        common = patch.intersection(faces.polygons[index])
+        if common.area <= 1e-9 * faces.polygons[index].area:
+            continue
+        middle = np.array([common.centroid.x, common.centroid.y])
+        for node, weight in zip(faces.corners[index].tolist(), shape_functions(faces.flat[index], middle)):
+            areas[node] = areas.get(node, 0.0) + float(weight) * common.area
+    kept = {node: area for node, area in sorted(areas.items()) if area > 1e-9 * patch.area}
+    return np.fromiter(kept, np.int64, len(kept)), np.fromiter(kept.values(), np.float64, len(kept))
+
+
+def host_of(faces: SurfaceFaces, point: Array) -> tuple[Indices, Array]:
+    """The face nearest to a point (2,), as its nodes and their weights there (held within the face)."""
+    index = int(faces.tree.nearest(shapely.Point(point)))
+    weights = np.clip(shape_functions(faces.flat[index], point), 0.0, None)
+    return faces.corners[index], weights / weights.sum()
