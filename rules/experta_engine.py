@@ -89,20 +89,21 @@ class Run:
 class ExpertaEngine:
     """A knowledge engine over one rule base. Belongs to one thread; neither pickled nor shared.
 
-    Facts: `Stage(level, run)`. Each rule matches the stage of its level by one predicate, its condition over the whole
-    view. A rule that fires reports its outcome to the run; when none is left at a level, the words of that level are
-    decided and the next stage is declared.
+    One fact of a class of its own for each level: `Stage0(run)`, `Stage1(run)`, ... Each rule matches the stage of its
+    level by one predicate, its condition over the whole view. A rule that fires reports its outcome to the run; when
+    none is left at a level, the words of that level are decided and the next stage is declared. (Classes, not a field:
+    experta tests a fact's class first, but its fields in an order that changes with the hash seed.)
     """
 
     def __init__(self, rules: Sequence[EngineRule]) -> None:
-        self._engine, self._stage = _build(rules)
+        self._engine, self._first_stage = _build(rules)
 
     def run(self, view: View) -> dict[int, int]:
         """Outcome by rule index, of the rules that hold or may still hold."""
         engine = self._engine
         engine.memory = run = Run(view)
         try:
-            engine.declare(self._stage(level=0, run=run))
+            engine.declare(self._first_stage(run=run))
             engine.run()
         finally:
             engine.forget()
@@ -110,20 +111,20 @@ class ExpertaEngine:
 
 
 def _build(rules: Sequence[EngineRule]) -> tuple[Any, Any]:
-    """The engine instance, and the class of its facts."""
+    """The engine instance, and the class of the first level's fact."""
     module = experta()
     checks = importlib.import_module("experta.matchers.rete.check")
-    stage = type("Stage", (module.Fact,), {})
     last = max((rule.level for rule in rules), default=0)
+    stages = [type(f"Stage{level}", (module.Fact,), {}) for level in range(last + 1)]
     body: dict[str, Any] = {"__strategy__": _strategy(), "__matcher__": _matcher(), "forget": _forget, "memory": None}
     for rule in rules:
-        body[f"rule_{rule.index}"] = module.Rule(stage(level=rule.level, run=module.P(_predicate(rule))))(_action(rule))
+        body[f"rule_{rule.index}"] = module.Rule(stages[rule.level](run=module.P(_predicate(rule))))(_action(rule))
     for level in range(last):
         words: dict[str, list[int]] = {}
         for rule in rules:
             if rule.word is not None and rule.level == level:
                 words.setdefault(rule.word, []).append(rule.index)
-        body[f"stage_{level}"] = module.Rule(stage(level=level), salience=-1)(_advance(level, words, stage))
+        body[f"stage_{level}"] = module.Rule(stages[level](), salience=-1)(_advance(level, words, stages))
     caches = [checks.TypeCheck, checks.FeatureCheck, checks.FactCapture, checks.WhereCheck]
     with _import_lock:
         before = [dict(cache._instances) for cache in caches]
@@ -132,7 +133,7 @@ def _build(rules: Sequence[EngineRule]) -> tuple[Any, Any]:
             cache._instances.clear()
             cache._instances.update(instances)
     engine.forget()
-    return engine, stage
+    return engine, stages[0]
 
 
 def _forget(engine: Any) -> None:
@@ -171,12 +172,12 @@ def _action(rule: EngineRule) -> Callable[[Any], None]:
     return report
 
 
-def _advance(level: int, words: dict[str, list[int]], stage: Any) -> Callable[[Any], None]:
+def _advance(level: int, words: dict[str, list[int]], stages: list) -> Callable[[Any], None]:
     def decide_words(engine: Any) -> None:
         run = engine.memory
         for word, makers in words.items():
             run.view.words[word] = any_of(run.outcomes[index] for index in makers)
-        engine.declare(stage(level=level + 1, run=run))
+        engine.declare(stages[level + 1](run=run))
 
     decide_words.__name__ = f"after level {level}"
     return decide_words
