@@ -27,6 +27,7 @@ from kernel.idealise.regions import outline_of
 from kernel.idealise.sheets import PlaneSheet, plane_sheet_at
 from kernel.idealise.topology import Topology
 from kernel.idealise.walls import Wall, section_outline
+from kernel.segment.prism import sweeps
 from kernel.segment.segments import BrickShape, Segment
 from kernel.solid.surfaces import CylinderSurface, Plane, Surface, plane_frame
 from kernel.units import ANGLE_TOLERANCE
@@ -74,14 +75,41 @@ def _is_round_side(surface: Surface, direction: Array) -> bool:
     return isinstance(surface, CylinderSurface) and _parallel(surface.axis.direction, direction)
 
 
-def sweep_directions(segments: Sequence[Segment]) -> dict[str, Array]:
-    """By segment id, the direction along which each brick is swept; bricks that cannot be are not in it."""
-    found: dict[str, Array] = {}
+def sweep_directions(
+    segments: Sequence[Segment], joints: Sequence[Joint], walls: dict[str, Wall]
+) -> dict[str, Array]:
+    """By segment id, the direction along which each brick is swept; bricks that cannot be are not in it.
+
+    Of several (a block has three) the one across which most of its contacts lie, with walls that it may stand on and
+    with bricks that can be swept the same way; without such contacts, the shape's own.
+    """
+    options: dict[str, list[Array]] = {}
     for segment in segments:
         if isinstance(segment.shape, BrickShape) and segment.shape.sweep is not None:
-            direction = segment.shape.sweep
-            found[segment.id] = direction if direction[int(np.argmax(np.abs(direction) > 1e-6))] > 0 else -direction
+            others = [sweep.direction for sweep in sweeps(segment.solid) if sweep.is_exact]
+            options[segment.id] = [_upward(direction) for direction in (segment.shape.sweep, *others)]
+    by_id = {segment.id: segment for segment in segments}
+    found: dict[str, Array] = {}
+    for name, directions in options.items():
+        weights = [0.0] * len(directions)
+        for joint in joints:
+            if name not in joint.segments:
+                continue
+            other = next(one for one in joint.segments if one != name)
+            for place, direction in enumerate(directions):
+                if not _across(by_id[name], joint, direction):
+                    continue
+                wall = walls.get(other)
+                stands = wall is not None and joint.surface in wall.segment.shape.surface_ids  # type: ignore[union-attr]
+                if stands or any(_parallel(direction, mate) for mate in options.get(other, [])):
+                    weights[place] += joint.area
+        found[name] = directions[int(np.argmax(weights))]
     return found
+
+
+def _upward(direction: Array) -> Array:
+    """The direction or its opposite, its first large component positive."""
+    return direction if direction[int(np.argmax(np.abs(direction) > 1e-6))] > 0 else -direction
 
 
 def group_bricks(
@@ -89,7 +117,7 @@ def group_bricks(
 ) -> tuple[list[SweepGroup], list[Candidate]]:
     """The groups of swept bricks, and what those that stand on walls imprint there. topology: the walls'."""
     by_id = {segment.id: segment for segment in segments}
-    directions = sweep_directions(segments)
+    directions = sweep_directions(segments, joints, walls)
     groups: list[SweepGroup] = []
     candidates: list[Candidate] = []
     for names in _connected(by_id, joints, directions):
