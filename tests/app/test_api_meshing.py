@@ -1,0 +1,200 @@
+"""Segments, overrides, jobs and meshes over HTTP: the same answers as the command line gives."""
+
+import json
+import time
+
+import pytest
+
+from app.cli import run
+
+TEXT = {"Content-Type": "text/plain"}
+TABLE = """\
+UNITS MM
+TOP = BLO(X=1500, Y=800, Z=25) AT (MOVZ=735)
+LEG1 = BLO(X=50, Y=50, Z=735)
+LEG2 = BLO(X=50, Y=50, Z=735) AT (MOVX=1450)
+LEG3 = BLO(X=50, Y=50, Z=735) AT (MOVY=750)
+LEG4 = BLO(X=50, Y=50, Z=735) AT (MOVX=1450, MOVY=750)
+TABLE = TOP UN LEG1 UN LEG2 UN LEG3 UN LEG4
+OUT TABLE
+"""
+BALL = "BALL = SPH(R=10)\nOUT BALL\n"
+
+
+def send(client, text, name="table.csg"):
+    return client.post(f"/v1/models?name={name}", content=text, headers=TEXT).json()["id"]
+
+
+def wait_for(client, job_url, seconds=60):
+    for _ in range(seconds * 20):
+        job = client.get(job_url).json()
+        if job["state"] in ("done", "failed", "cancelled"):
+            return job
+        time.sleep(0.05)
+    raise AssertionError(f"the job still is {job}")
+
+
+@pytest.fixture(scope="module")
+def table(client):
+    return send(client, TABLE)
+
+
+@pytest.fixture(scope="module")
+def mesh(client, table):
+    answer = client.post(f"/v1/models/{table}/meshes", json={"size": 50})
+    assert answer.status_code == 202
+    job = wait_for(client, answer.headers["location"])
+    assert job["state"] == "done", job
+    return client.get(f"/v1/meshes/{job['mesh_id']}").json()
+
+
+def test_segments_are_what_the_command_line_says(client, table, tmp_path, capsys, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "table.csg").write_text(TABLE)
+    assert run(["classify", "table.csg", "--json"]) == 0
+    assert client.get(f"/v1/models/{table}/segments").json() == json.loads(capsys.readouterr().out)
+
+
+def test_the_explanation_has_a_decision_for_every_segment(client, table):
+    segments = client.get(f"/v1/models/{table}/segments").json()["segments"]
+    decisions = client.get(f"/v1/models/{table}/explanation").json()["decisions"]
+    assert {s["node"] for s in segments} <= {d["node"] for d in decisions}
+    assert all(d["because"] and d["facts"] for d in decisions)
+
+
+def test_an_override_changes_the_segment_and_its_removal_changes_it_back(client):
+    model = send(client, TABLE)
+    answer = client.put(
+        f"/v1/models/{model}/overrides/LEG1", json={"type": "brick", "reason": "stress", "author": "anna"}
+    )
+    assert answer.status_code == 200, answer.text
+    path = answer.json()["node"]
+    assert client.get(f"/v1/models/{model}/overrides").json() == [answer.json()]
+    assert client.get(f"/v1/models/{model}/overrides/{path}").json()["reason"] == "stress"
+
+    def leg():
+        segments = client.get(f"/v1/models/{model}/segments").json()["segments"]
+        return next(s for s in segments if s["name"] == "LEG1")
+
+    assert (leg()["type"], leg()["origin"], leg()["decision"]["by_rule"]) == ("brick", "override", "beam")
+    assert client.delete(f"/v1/models/{model}/overrides/{path}?author=ben").status_code == 204
+    assert (leg()["type"], leg()["origin"]) == ("beam", "rule")
+    history = client.get(f"/v1/models/{model}/overrides/history").json()
+    assert [(e["type"], e["author"]) for e in history] == [("brick", "anna"), (None, "ben")]
+
+
+def test_the_root_is_overridden_as_a_slash(client):
+    model = send(client, TABLE)
+    assert client.put(f"/v1/models/{model}/overrides/%2F", json={"type": "brick"}).json()["node"] == "/"
+    segments = client.get(f"/v1/models/{model}/segments").json()["segments"]
+    assert [s["type"] for s in segments] == ["brick"]
+
+
+def test_an_override_that_cannot_be_is_refused_and_not_kept(client):
+    model = send(client, BALL, "ball.csg")
+    answer = client.put(f"/v1/models/{model}/overrides/%2F", json={"type": "beam"})
+    assert answer.status_code == 422 and "beam" in answer.json()["detail"]
+    assert answer.headers["content-type"] == "application/problem+json"
+    assert client.get(f"/v1/models/{model}/overrides").json() == []
+
+
+@pytest.mark.parametrize(
+    "node, body, status",
+    [("0.9", {"type": "brick"}, 404), ("%2F", {"type": "wood"}, 422), ("%2F", {"kind": "brick"}, 422)],
+)
+def test_a_wrong_override_is_a_problem(client, table, node, body, status):
+    answer = client.put(f"/v1/models/{table}/overrides/{node}", json=body)
+    assert (answer.status_code, answer.headers["content-type"]) == (status, "application/problem+json")
+
+
+def test_a_mesh_is_connected_and_as_heavy_as_the_solid(mesh):
+    assert mesh["components"] == 1 and mesh["checks"]["failures"] == []
+    assert set(mesh["elements"]) == {"quad4", "line2"}
+    assert abs(mesh["mass"]["error"]) < 1e-3
+
+
+@pytest.mark.parametrize(
+    "name, start, ending",
+    [("nastran", b"$", ".bdf"), ("gmsh", b"$MeshFormat", ".msh"), ("vtu", b"<?xml", ".vtu")],
+)
+def test_a_deck_is_there_in_every_format(client, mesh, name, start, ending):
+    answer = client.get(f"/v1/meshes/{mesh['id']}/deck?format={name}")
+    assert answer.status_code == 200 and answer.content.startswith(start)
+    assert f'filename="table{ending}"' in answer.headers["content-disposition"]
+
+
+def test_the_deck_is_the_one_that_the_command_line_writes(client, mesh, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "table.csg").write_text(TABLE)
+    assert run(["mesh", "table.csg", "-o", "table.bdf", "--size", "50"]) == 0
+    assert client.get(f"/v1/meshes/{mesh['id']}/deck").content == (tmp_path / "table.bdf").read_bytes()
+
+
+def test_an_unknown_format_is_refused(client, mesh):
+    answer = client.get(f"/v1/meshes/{mesh['id']}/deck?format=word")
+    assert answer.status_code == 422 and "nastran" in answer.json()["detail"]
+
+
+@pytest.mark.parametrize(
+    "path", ["/v1/models/{model_id}/solid.glb", "/v1/models/{model_id}/segments.glb", "/v1/meshes/{id}/mesh.glb"]
+)
+def test_pictures_are_binary_gltf_that_others_read(client, mesh, path):
+    import io
+
+    import trimesh
+
+    answer = client.get(path.format(**mesh))
+    assert answer.headers["content-type"] == "model/gltf-binary"
+    scene = trimesh.load(io.BytesIO(answer.content), file_type="glb")
+    assert scene.extents == pytest.approx([1500, 800, 760 if "mesh" not in path else 747.5], abs=13)
+
+
+def test_quality_is_a_part_of_the_mesh(client, mesh):
+    assert client.get(f"/v1/meshes/{mesh['id']}/quality").json() == mesh["quality"]
+
+
+def test_events_end_with_the_job(client, table):
+    job = client.post(f"/v1/models/{table}/meshes", json={"size": 60}).headers["location"]
+    with client.stream("GET", f"{job}/events") as stream:
+        assert stream.headers["content-type"].startswith("text/event-stream")
+        lines = [line for line in stream.iter_lines() if line]
+    names = [line.removeprefix("event: ") for line in lines if line.startswith("event: ")]
+    jobs = [json.loads(line.removeprefix("data: ")) for line in lines if line.startswith("data: ")]
+    assert names[-1] == "done" and jobs[-1]["progress"] == 1.0
+    assert [j["progress"] for j in jobs] == sorted(j["progress"] for j in jobs)
+
+
+def test_the_same_mesh_is_not_made_twice(client, table, mesh):
+    job = client.post(f"/v1/models/{table}/meshes", json={"size": 50}).json()
+    assert (job["state"], job["mesh_id"]) == ("done", mesh["id"])
+
+
+@pytest.mark.parametrize(
+    "body, complaint",
+    [
+        ({"size": 0}, "size is 0"),
+        ({"size": "big"}, "size"),
+        ({"order": 3}, "order"),
+        ({"material": "cheese"}, "cheese"),
+        ({"material": "/etc/passwd"}, "/etc/passwd"),
+        ({"units": "furlong"}, "furlong"),
+        ({"colour": "red"}, "colour"),
+    ],
+)
+def test_a_wrong_request_is_refused_before_it_is_queued(client, table, body, complaint):
+    answer = client.post(f"/v1/models/{table}/meshes", json=body)
+    assert answer.status_code == 422 and complaint in answer.json()["detail"]
+
+
+def test_a_cancelled_job_stays_cancelled_and_the_next_one_is_done(client, table):
+    first, second = (client.post(f"/v1/models/{table}/meshes", json={"size": s}).headers["location"] for s in (2, 70))
+    assert client.delete(first).status_code == 204
+    assert client.get(first).json()["state"] == "cancelled"
+    again = client.delete(first)
+    assert again.status_code == 409 and "cancelled" in again.json()["detail"]
+    assert wait_for(client, second)["state"] == "done"
+
+
+def test_an_unknown_rule_base_is_not_found(client, table):
+    assert client.get(f"/v1/models/{table}/segments?rulebase=house").status_code == 404
+    assert client.get(f"/v1/models/{table}/segments?rulebase=base").status_code == 200
