@@ -112,12 +112,27 @@ def unroll(facets: Facets, mask: NDArray[np.bool_], axis: Axis) -> Region:
     rings = np.concatenate([corners, corners[:, :1]], axis=1)
     edge_one, edge_two = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
     area = np.abs(edge_one[:, 0] * edge_two[:, 1] - edge_one[:, 1] * edge_two[:, 0])
-    patch = shapely.coverage_union_all(shapely.polygons(rings[area > 0.0]))  # edges match: ten times union_all's speed
+    patch = _covered(shapely.polygons(rings[area > 0.0]), 0.5 * float(area.sum()), SNAP * float(np.ptp(z)))
     return _within_a_turn(shapely.multipolygons(parts_of(patch)))
 
 
+def _covered(triangles: NDArray[np.object_], area: float, grid: float) -> shapely.Geometry:
+    """Union of triangles that share whole edges: ten times the speed of a general union, which serves where rounding
+    broke that promise (the area tells, or the union refuses).
+    """
+    try:
+        patch = shapely.coverage_union_all(triangles)
+    except shapely.errors.GEOSException:
+        patch = None
+    if patch is None or abs(patch.area - area) > 1e-6 * area:
+        return shapely.union_all(triangles, grid_size=grid)
+    return patch
+
+
 def _shifted(region: Region, turns: int) -> Region:
-    return shapely.transform(region, lambda points: np.round(points + (turns * TURN, 0.0), 12))
+    return shapely.transform(
+        region, lambda points: np.stack([np.round(points[:, 0] + turns * TURN, 12), points[:, 1]], axis=1)
+    )
 
 
 def _within_a_turn(region: Region) -> Region:

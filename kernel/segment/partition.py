@@ -59,17 +59,20 @@ class Outcome:
     decisions: tuple[Decision, ...]
 
 
-def partition(evaluated: Evaluated, decide: Decide, overrides: Mapping[str, Override] | None = None) -> Partition:
+def partition(
+    evaluated: Evaluated, decide: Decide, overrides: Mapping[str, Override] | None = None, *, use_tree: bool = True
+) -> Partition:
     """The model as disjoint segments that fill it.
 
-    overrides: by canonical path. OverrideError: an override that cannot be; RuleError: a conclusion of the rules that
-    cannot be; DefectError: the segments do not fill the solid.
+    overrides: by canonical path. use_tree: False decides the evaluated solid as if it were one leaf (for comparison).
+    OverrideError: an override that cannot be; RuleError: a conclusion of the rules that cannot be; DefectError: the
+    segments do not fill the solid.
     """
     overrides = dict(overrides or {})
     root = operand_at("/", evaluated.model.root)
     pins = pin(evaluated.model.root, overrides)
     walker = _Walk(evaluated, decide, pins)
-    piece = Piece(evaluated.solid, root.path, root.path, "root", 0, root.node.name, root)
+    piece = Piece(evaluated.solid, root.path, root.path, "root", 0, root.node.name, operand=root if use_tree else None)
     outcome = walker.settle(piece)
     _check_volume(outcome.drafts, evaluated.solid)
     segments = _numbered(outcome.drafts, evaluated)

@@ -18,7 +18,7 @@ from shapely import Polygon, STRtree
 
 from kernel.segment.faces import Region, faces_of
 from kernel.segment.slices import parts_of, slice_polygon
-from kernel.segment.walls import PlaneWall, TubeWall, Wall, find_walls
+from kernel.segment.walls import LARGE_HOLE, PlaneWall, TubeWall, Wall, find_walls
 from kernel.solid.solid import half_space_cut, intersect, prism, subtract, tube, unite
 from kernel.solid.surfaces import PlaneFrame
 
@@ -115,8 +115,7 @@ def _plane_slab(solid: Solid, wall: PlaneWall, walls: tuple[Wall, ...]) -> Solid
         middle = slice_polygon(slab.facets, wall.normal, 0.5 * (wall.bottom + wall.top), wall.u, wall.v)
     if wall.paired.intersection(middle).area < COVER * wall.area:
         return None
-    filled = shapely.union_all([Polygon(part.exterior) for part in parts_of(wall.paired)])
-    own = _grown(filled, wall, walls)
+    own = _grown(_filled(solid, wall, walls, middle), wall, walls)
     loose = own.buffer(10.0 * tolerance)
     inside = shapely.union_all([part for part in parts_of(loose.intersection(middle)) if part.intersects(wall.paired)])
     if inside.area >= middle.area * (1.0 - 1e-9):
@@ -126,6 +125,7 @@ def _plane_slab(solid: Solid, wall: PlaneWall, walls: tuple[Wall, ...]) -> Solid
     frame = PlaneFrame(wall.u, wall.v, wall.normal)
     reach = wall.thickness
     outline = shapely.union_all([Polygon(part.exterior) for part in parts_of(own)])
+    outline = _on_vertices(outline, slab, wall, 10.0 * tolerance)
     cutter = prism(solid.surfaces, outline, frame, wall.bottom - reach, wall.top + reach)
     return _touching(intersect([slab, cutter]), wall)
 
@@ -166,6 +166,50 @@ def _grown(filled: Region, wall: PlaneWall, walls: tuple[Wall, ...]) -> Region:
     centre = np.array([0.5 * (left + right), 0.5 * (low + high)])
     strips = [strip for other in crossing if (strip := _trace(wall, other, centre, reach)) is not None]
     return shapely.union_all([filled, wide.intersection(shapely.union_all(strips))])
+
+
+def _filled(solid: Solid, wall: PlaneWall, walls: tuple[Wall, ...], middle: Region) -> Region:
+    """The paired region with its holes, and with what stands on its edge as it might inside.
+
+    Where only one of the two faces is there, something stands on the other: it is filled in at the edge too, where it
+    is no larger than a LARGE_HOLE and no other wall's.
+    """
+    filled = shapely.union_all([Polygon(part.exterior) for part in parts_of(wall.paired)])
+    faces = faces_of(solid)
+    bottom, top = wall.surface_ids
+    one_sided = faces.polygon(bottom, -1).union(faces.polygon(top, 1)).intersection(middle).difference(filled)
+    others = [
+        other.paired
+        for other in walls
+        if other is not wall and isinstance(other, PlaneWall) and _faces_meet(wall, other)
+    ]
+    if others:
+        one_sided = one_sided.difference(shapely.union_all(others))
+    size = max(1e-6 * wall.area, solid.surfaces.tolerance * wall.thickness)
+    edges = [
+        part
+        for part in parts_of(one_sided)
+        if size < part.area <= LARGE_HOLE * wall.thickness**2 and part.distance(filled) < solid.surfaces.tolerance
+    ]
+    return shapely.union_all([filled, *edges]) if edges else filled
+
+
+def _faces_meet(wall: PlaneWall, other: PlaneWall) -> bool:
+    """Whether two walls are parallel and lie between overlapping offsets."""
+    return _is_parallel(wall, other) and other.bottom < wall.top and wall.bottom < other.top
+
+
+def _on_vertices(outline: Region, slab: Solid, wall: PlaneWall, near: float) -> Region:
+    """The outline with its corners moved onto the slab's vertices where they are near: cuts then fit faces exactly."""
+    known = slab.facets.vertices @ np.stack([wall.u, wall.v], axis=1)
+
+    def onto(points: np.ndarray) -> np.ndarray:
+        distance = np.abs(points[:, None, :] - known[None, :, :]).max(axis=2)
+        nearest = distance.argmin(axis=1)
+        close = distance[np.arange(len(points)), nearest] < near
+        return np.where(close[:, None], known[nearest], points)
+
+    return shapely.remove_repeated_points(shapely.transform(outline, onto), near)
 
 
 def _is_parallel(wall: PlaneWall, other: Wall) -> bool:

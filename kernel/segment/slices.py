@@ -13,6 +13,8 @@ import shapely
 from numpy.typing import NDArray
 from shapely import MultiPolygon, Polygon
 
+from kernel.solid.section import area_within
+
 if TYPE_CHECKING:
     from kernel.solid.solid import Facets
 
@@ -38,9 +40,7 @@ def slice_polygon(facets: Facets, direction: Vector, offset: float, u: Vector, v
     plane = facets.vertices @ np.stack([u, v], axis=1)
     points = plane[start] + share[:, None] * (plane[end] - plane[start])
     grid = SNAP * max(float(np.ptp(points, axis=0).max()), 1e-300)
-    points = np.round(points / grid) * grid
-    lines = shapely.linestrings(points.reshape(-1, 2, 2))
-    return shapely.build_area(shapely.multilinestrings(lines))
+    return area_within(points.reshape(-1, 2, 2), grid)
 
 
 def smallest_rectangle(polygon: shapely.Geometry) -> tuple[float, float]:

@@ -116,7 +116,8 @@ def opening(region: Region, width: float) -> Region:
 
 def find_walls(faces: Faces) -> tuple[Wall, ...]:
     """Every pair of faces of a solid that makes a wall, in a fixed order (planes first)."""
-    return (*_without_laps(list(_plane_walls(faces)), faces.table.tolerance), *_tube_walls(faces))
+    flat = _without_details(list(_plane_walls(faces)))
+    return (*_without_laps(flat, faces.table.tolerance), *_tube_walls(faces))
 
 
 # ---------------------------------------------------------------- planes
@@ -196,6 +197,23 @@ def _is_wide(part: Polygon, thickness: float) -> bool:
     if part.area < KEPT_SHARE * outline.area:
         outline = part
     return bool(opening(outline, OPENING_FACTOR * thickness).area >= KEPT_SHARE * outline.area)
+
+
+def _without_details(walls: list[PlaneWall]) -> list[PlaneWall]:
+    """Walls that are no more than the floor of a hole in another are left out (a counterbore)."""
+    kept = []
+    for wall in walls:
+        for other in walls:
+            is_beside = other is not wall and other.normal is wall.normal
+            if not is_beside or wall.top <= other.bottom or other.top <= wall.bottom or wall.area >= other.area:
+                continue
+            holes = [Polygon(ring) for part in parts_of(other.paired) for ring in part.interiors]
+            holes = [hole for hole in holes if hole.area <= LARGE_HOLE * other.thickness**2]
+            if holes and wall.paired.difference(shapely.union_all(holes)).area < 1e-3 * wall.area:
+                break
+        else:
+            kept.append(wall)
+    return kept
 
 
 def _without_laps(walls: list[PlaneWall], tolerance: float) -> list[PlaneWall]:
