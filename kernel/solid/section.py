@@ -149,8 +149,23 @@ def face_polygon(facets: Facets, mask: NDArray[np.bool_], u: Vector, v: Vector) 
     start, end = start[is_boundary], end[is_boundary]
     flat = np.stack([facets.vertices @ u, facets.vertices @ v], axis=1)
     extent = float(np.ptp(flat[start], axis=0).max())
-    grid = GRID * extent
-    flat = np.round(flat / grid) * grid
-    lines = shapely.linestrings(np.stack([flat[start], flat[end]], axis=1))
-    region = shapely.build_area(shapely.multilinestrings(lines))
-    return shapely.normalize(shapely.simplify(region, 3.0 * grid))
+    segments = np.stack([flat[start], flat[end]], axis=1)
+    region = area_within(segments, GRID * extent)
+    return shapely.normalize(region)
+
+
+def area_within(segments: NDArray[np.float64], grid: float) -> Polygon | MultiPolygon:
+    """The region that unordered boundary segments (n, 2, 2) enclose; its vertices are the segments' own end points.
+
+    The segments are chained on coordinates rounded to `grid`, and points on straight edges (within 3 grids) taken
+    out; then each vertex gets its unrounded coordinates back, so that areas are exact to rounding.
+    """
+    import shapely
+
+    points = segments.reshape(-1, 2)
+    cells = np.round(points / grid)
+    rounded = cells * grid
+    region = shapely.build_area(shapely.multilinestrings(shapely.linestrings(rounded.reshape(-1, 2, 2))))
+    region = shapely.simplify(region, 3.0 * grid)
+    exact = dict(zip(map(tuple, rounded.tolist()), points.tolist()))
+    return shapely.transform(region, lambda flat: np.array([exact[point] for point in map(tuple, flat.tolist())]))
