@@ -47,7 +47,7 @@ def build_model(
     """
     chosen = choose_material(material, csg, units)
     mesh = _in_frame(assembly.mesh, np.asarray(evaluated.frame, dtype=np.float64))
-    coupled = make_couplings(assembly.ties, mesh, mesh.nodes, coupling)
+    coupled = make_couplings(assembly.ties, mesh, mesh.nodes, coupling, assembly.sections)
     return Model(
         title=title,
         units=units.name,

@@ -43,21 +43,29 @@ SHEAR_CENTRE_TOLERANCE = 1e-5
 """A shear centre nearer the centroid than this times the section's extent is the solution's error: written as 0."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Warping:
-    """What the finite element solution gives; shear_centre: (y, z) from the centroid."""
+    """What the finite element solution gives; shear_centre: (y, z) from the centroid.
+
+    points: (n_point, 2) places in the section, from the centroid; areas: (n_point,) that they stand for; stress:
+    (3, n_point, 2) shear stress (y, z) there under a unit torque, a unit shear force along y, and one along z, the
+    forces in the shear centre.
+    """
 
     j: float
     shear_area_y: float
     shear_area_z: float
     shear_centre: tuple[float, float]
+    points: NDArray[np.float64]
+    areas: NDArray[np.float64]
+    stress: NDArray[np.float64]
 
 
 def solve_warping(polygon: Polygon, exact: SectionValues) -> Warping:
     """Torsion constant, shear areas and shear centre of one connected polygon."""
     points, triangles = triangulate(polygon)
     points = points - np.asarray(exact.centroid)
-    scale = np.sqrt(exact.area)
+    scale = float(np.sqrt(exact.area))
     nodes, elements = _quadratic(points / scale, triangles)
     return _solve(nodes, elements, scale, polygon)
 
@@ -146,9 +154,15 @@ def _solve(nodes: NDArray[np.float64], elements: NDArray[np.int64], scale: float
     shear_centre = np.array([moment[2], -moment[1]]) * scale
     extent = max(polygon.bounds[2] - polygon.bounds[0], polygon.bounds[3] - polygon.bounds[1])
     shear_centre[np.abs(shear_centre) < SHEAR_CENTRE_TOLERANCE * extent] = 0.0
+    j = float(yy + zz + moment[0])
+    torsion = (flow[0] - turned) / (j * scale**3)  # of w,y - z and w,z + y: the strains of unit twist
+    stress = np.stack([torsion, flow[1] / scale**2, flow[2] / scale**2])
     return Warping(
-        j=float(yy + zz + moment[0]) * scale**4,
+        j=j * scale**4,
         shear_area_y=scale**2 / float(energy[1]),
         shear_area_z=scale**2 / float(energy[2]),
         shear_centre=(float(shear_centre[0]), float(shear_centre[1])),
+        points=place.reshape(-1, 2) * scale,
+        areas=weight.ravel() * scale**2,
+        stress=stress.reshape(3, -1, 2),
     )

@@ -1,0 +1,234 @@
+"""Who depends on whom: ties sorted out so that every node depends once, before any equation is written.
+
+1. Rigid ties join nodes into bodies that move as one. A weighted average whose patch cannot define a rotation
+   (collinear, or fewer than three nodes), and every average on request ("rigid"), is such a body too.
+2. A body has at most one anchor: a node that rests on an average or an interpolation. Where it would have several,
+   all become rigid, with a note.
+3. Patches leave out nodes that depend on something else, as long as the rest still defines a rotation.
+4. An interpolation from hosts of which one is in the node's own body says nothing more, and is left out.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kernel.connect.bodies import Bodies
+from kernel.errors import ConnectError
+from kernel.idealise.members import Tie
+
+Array = NDArray[np.float64]
+
+FLATNESS = 1e-4
+"""A patch whose width is less than this times its length is a line: translations on it define no rotation about it."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Average:
+    """A node that moves as the average of a patch."""
+
+    node: int
+    patch: NDArray[np.int64]
+    weights: Array
+    tie: Tie
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Interpolation:
+    """A node that moves as its place on an element face does."""
+
+    node: int
+    hosts: NDArray[np.int64]
+    weights: Array
+    tie: Tie
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Pair:
+    """A node of solids that follows another node rigidly, in its translations."""
+
+    node: int
+    independent: int
+    tie: Tie
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Body:
+    """Nodes that move as one; head: the node that the others follow, free or resting on an anchor."""
+
+    head: int
+    members: tuple[int, ...]
+    anchor: Average | Interpolation | None
+
+
+class Arrangement:
+    """The ties, sorted out. bodies (those with an anchor too, be they of one node), pairs and notes are its result."""
+
+    def __init__(self, ties: Sequence[Tie], nodes: Array, has_rotations: NDArray[np.bool_], all_rigid: bool) -> None:
+        self.nodes = nodes
+        self.has_rotations = has_rotations
+        self.all_rigid = all_rigid
+        self.notes: list[str] = []
+        self.pairs: list[Pair] = []
+        self._joined = Bodies()
+        self._preferred: Counter[int] = Counter()
+        self._averages: list[Average] = []
+        self._interpolations: list[Interpolation] = []
+        for tie in ties:
+            self._take(tie)
+        self._one_interpolation_each()
+        while self._pass():
+            pass
+        self.bodies = self._bodies()
+        self.pairs = self._pairs_once()
+
+    @property
+    def dependents(self) -> set[int]:
+        """Nodes that depend on something, those of pairs left out."""
+        result: set[int] = set()
+        for body in self.bodies:
+            result.update(body.members)
+            if body.anchor is None:
+                result.discard(body.head)
+        return result
+
+    def _take(self, tie: Tie) -> None:
+        if tie.kind == "rigid":
+            (independent,) = tie.independent.tolist()
+            self._preferred[independent] += len(tie.dependent)
+            for node in tie.dependent.tolist():
+                self._joined.join(independent, node)
+        elif tie.kind == "beam_on_face":
+            (node,) = tie.dependent.tolist()
+            self._averages.append(Average(node, tie.independent, tie.weights, tie))
+        elif tie.kind == "rigid_pairs":
+            pairs = zip(tie.dependent.tolist(), tie.independent.tolist())
+            self.pairs += [Pair(node, independent, tie) for node, independent in pairs]
+        elif tie.kind == "interpolated":
+            rows = zip(tie.dependent.tolist(), tie.hosts, tie.host_weights)
+            self._interpolations += [Interpolation(node, hosts, weights, tie) for node, hosts, weights in rows]
+        else:
+            raise ConnectError(f"{joint_of(tie)}: unknown tie {tie.kind!r}")
+
+    def _one_interpolation_each(self) -> None:
+        """A node that lies on two faces follows the first."""
+        first: dict[int, Interpolation] = {}
+        for item in self._interpolations:
+            first.setdefault(item.node, item)
+        self._interpolations = list(first.values())
+
+    def _pass(self) -> bool:
+        """One round of rules 2 to 4; True where it changed a body, so that all must be looked at again."""
+        find = self._joined.find
+        self._interpolations = [
+            item for item in self._interpolations if find(item.node) not in {find(host) for host in item.hosts.tolist()}
+        ]
+        return self._join_anchors() or self._thin_patches()
+
+    def _anchors(self) -> list[Average | Interpolation]:
+        return [*self._averages, *self._interpolations]
+
+    def _join_anchors(self) -> bool:
+        anchors: dict[int, list[Average | Interpolation]] = {}
+        for anchor in self._anchors():
+            anchors.setdefault(self._joined.find(anchor.node), []).append(anchor)
+        changed = False
+        for body, found in anchors.items():
+            stiff = len(self._joined.members(body)) > 1 and not all(self.has_rotations[a.node] for a in found)
+            if len(found) == 1 and not stiff:
+                continue
+            for place in dict.fromkeys(joint_of(anchor.tie) for anchor in found):
+                self.notes.append(f"{place}: rigid where its node rests on {len(found)} faces and bodies at once")
+            for anchor in found:
+                self._make_rigid(anchor)
+            changed = True
+        return changed
+
+    def _thin_patches(self) -> bool:
+        dependents = {node for body in self._bodies() for node in body.members if node != body.head or body.anchor}
+        dependents |= {pair.node for pair in self.pairs}
+        changed = False
+        for average in list(self._averages):
+            own = self._joined.find(average.node)
+            free = [n not in dependents and self._joined.find(n) != own for n in average.patch.tolist()]
+            patch = average.patch[np.array(free, dtype=bool)]
+            if not self.all_rigid and defines_rotation(self.nodes[patch]):
+                weights = average.weights[np.array(free, dtype=bool)]
+                self._averages[self._averages.index(average)] = replace(average, patch=patch, weights=weights)
+                continue
+            if not self.all_rigid and defines_rotation(self.nodes[average.patch]):
+                self.notes.append(f"{joint_of(average.tie)}: rigid, for most of its patch depends on another joint")
+            self._make_rigid(average)
+            changed = True
+        return changed
+
+    def _make_rigid(self, anchor: Average | Interpolation) -> None:
+        if isinstance(anchor, Average):
+            self._averages.remove(anchor)
+            others = anchor.patch
+        else:
+            self._interpolations.remove(anchor)
+            others = anchor.hosts
+        self._preferred[anchor.node] += 1
+        for node in others.tolist():
+            self._joined.join(anchor.node, node)
+
+    def _bodies(self) -> list[Body]:
+        """In the order of their heads."""
+        anchors = {self._joined.find(anchor.node): anchor for anchor in self._anchors()}
+        groups = self._joined.groups()
+        for root, anchor in anchors.items():
+            groups.setdefault(root, [anchor.node])
+        bodies = []
+        for root, members in groups.items():
+            found = anchors.get(root)
+            head = found.node if found is not None else self._head(members)
+            bodies.append(Body(head, tuple(members), found))
+        return sorted(bodies, key=lambda body: body.head)
+
+    def _head(self, members: Sequence[int]) -> int:
+        """The independent node of a body: the most preferred that has rotations, then the first."""
+        able = [node for node in members if self.has_rotations[node]]
+        if not able:
+            place = ", ".join(f"{x:g}" for x in self.nodes[members[0]])
+            raise ConnectError(f"the node ({place}) of a solid is to carry others rigidly, but has no rotations")
+        return max(able, key=lambda node: (self._preferred[node], -node))
+
+    def _pairs_once(self) -> list[Pair]:
+        """A node asked to follow two follows the first; ConnectError where a joint is left without any."""
+        done = self.dependents
+        heads = {body.head for body in self.bodies}
+        carried: dict[str, int] = {}
+        kept = []
+        for pair in self.pairs:
+            place = joint_of(pair.tie)
+            carried.setdefault(place, 0)
+            if pair.node in done or pair.node in heads or pair.node == pair.independent:
+                continue
+            done.add(pair.node)
+            carried[place] += 1
+            kept.append(pair)
+        for place, count in carried.items():
+            if count == 0:
+                raise ConnectError(f"{place}: every node of it already depends on another joint")
+        return kept
+
+
+def defines_rotation(points: Array) -> bool:
+    """Three points or more that do not lie on one line, so that their translations define a rigid motion."""
+    if len(points) < 3:
+        return False
+    arms = points - points.mean(axis=0)
+    lengths = np.linalg.svd(arms, compute_uv=False)
+    return bool(lengths[1] > FLATNESS * lengths[0])
+
+
+def joint_of(tie: Tie) -> str:
+    """How messages call the tie's joint."""
+    if tie.joint is None:
+        return "a joint"
+    return f"joint {tie.joint.id} of {tie.joint.segments[0]} and {tie.joint.segments[1]}"

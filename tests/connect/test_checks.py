@@ -1,0 +1,120 @@
+"""What the checks count, on models with a known fault, and masses against closed forms."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from handmade import cantilever, grid, i_outline, model_of, shell_cantilever, solid_cantilever
+from joined import block_on_plate, half_beam_half_solid, lap_of_plates, post_on_plate
+
+from kernel.connect.audit import coincident_nodes, connected_components, edge_cracks, near_pairs
+from kernel.connect.checks import dependence
+from kernel.connect.couplings import nodes_with_rotations
+from kernel.connect.mass import block_moments, solid_moments, total
+from kernel.connect.model import Property, Rbe2
+from kernel.mesh.mesh import ElementBlock
+
+
+@pytest.mark.parametrize("make", [post_on_plate, block_on_plate, lap_of_plates, lambda: half_beam_half_solid("work")])
+def test_couplings_count_as_connections(make):
+    model = make()
+    assert connected_components(model) == 1
+    assert connected_components(replace(model, couplings=())) == 2
+
+
+def test_many_pieces_are_all_counted():
+    nodes, quads = grid((0, 0, 0), (30, 0, 0), (0, 1, 0), 30, 1)
+    model = model_of(nodes, [ElementBlock("s1", "quad4", quads[::2])], [Property("s1", "shell", "steel", 1.0)])
+    assert connected_components(model) == 15
+
+
+def test_a_long_chain_is_one_piece():
+    nodes = np.column_stack([np.arange(5000.0), np.zeros((5000, 2))])
+    order = np.random.default_rng(3).permutation(5000)
+    lines = np.column_stack([order[:-1], order[1:]])
+    assert connected_components(model_of(nodes, [ElementBlock("s1", "line2", lines)], [])) == 1
+
+
+def test_coincident_nodes_count_unless_a_coupling_ties_them():
+    nodes, quads = grid((0, 0, 0), (10, 0, 0), (0, 10, 0), 2, 2)
+    both = np.vstack([nodes, nodes + [10, 0, 0]])
+    blocks = [ElementBlock("s1", "quad4", quads), ElementBlock("s2", "quad4", quads + 9)]
+    model = model_of(both, blocks, [])
+    assert coincident_nodes(model, 1e-6) == 3
+    tied = replace(model, couplings=(Rbe2(6, np.array([9])),))
+    assert coincident_nodes(tied, 1e-6) == 2
+
+
+def test_near_pairs_agree_with_counting_all():
+    rng = np.random.default_rng(5)
+    points = rng.integers(0, 6, (200, 3)).astype(float)
+    expected = [(i, j) for i in range(200) for j in range(i + 1, 200) if np.linalg.norm(points[i] - points[j]) < 1e-3]
+    assert near_pairs(points, 1e-3) == expected
+
+
+def test_the_crack_audit_knows_each_edge():
+    nodes, quads = grid((0, 0, 0), (10, 0, 0), (0, 10, 0), 2, 2)
+    mesh = model_of(nodes, [ElementBlock("s1", "quad4", quads)], []).mesh
+    rim = [(0, 1), (1, 2), (2, 5), (5, 8), (8, 7), (7, 6), (6, 3), (3, 0)]
+    good = np.array([(*edge, 1) for edge in rim])
+    assert edge_cracks(mesh, good) == 0
+    assert edge_cracks(mesh, good[:-1]) == 1  # an edge used once that no curve knows
+    assert edge_cracks(mesh, np.vstack([good, [(4, 5, 3)]])) == 1  # two elements where three faces meet
+    assert edge_cracks(mesh, np.vstack([good, [(0, 8, 2)]])) == 1  # a curve's edge that no element has
+
+
+def test_a_freedom_that_depends_twice_or_in_a_chain_is_counted():
+    model = shell_cantilever("quad4", divisions=(4, 1))
+    turning = nodes_with_rotations(model.mesh)
+    twice = (Rbe2(0, np.array([1]), "123"), Rbe2(2, np.array([1]), "12"))
+    assert dependence(twice, turning) == (2, 0)
+    chain = (Rbe2(0, np.array([1])), Rbe2(1, np.array([2])))
+    assert dependence(chain, turning) == (0, 6)
+
+
+def moments_of(model):
+    elements = {element.segment: element for element in model.properties}
+    return total([block_moments(b, model.mesh.nodes, elements[b.segment], 1.0) for b in model.mesh.blocks])
+
+
+@pytest.mark.parametrize("kind", ["hex8", "hex20", "wedge6", "wedge15", "tet4", "tet10"])
+def test_a_block_of_solids_has_the_inertia_of_the_block(kind):
+    found = moments_of(solid_cantilever(kind, (100, 10, 20), (4, 2, 2)))
+    mass = 100 * 10 * 20
+    assert found.mass == pytest.approx(mass)
+    assert found.centre == pytest.approx([50, 5, 10])
+    expected = mass / 12 * np.array([10**2 + 20**2, 100**2 + 20**2, 100**2 + 10**2])
+    assert found.inertia == pytest.approx(np.diag(expected), rel=1e-9, abs=1e-6)
+
+
+@pytest.mark.parametrize("kind", ["tri3", "tri6", "quad4", "quad8"])
+def test_a_plate_has_the_inertia_of_its_thickness_too(kind):
+    found = moments_of(shell_cantilever(kind, 100, 10, 4, (4, 2)))
+    mass = 100 * 10 * 4
+    expected = mass / 12 * np.array([10**2 + 4**2, 100**2 + 4**2, 100**2 + 10**2])
+    assert found.inertia == pytest.approx(np.diag(expected), rel=1e-9, abs=1e-6)
+
+
+@pytest.mark.parametrize("kind", ["line2", "line3"])
+def test_a_beam_has_the_inertia_of_its_section_too(kind):
+    model = cantilever(i_outline(), 1000.0, 4, kind)
+    section = model.properties[0].section
+    found = moments_of(model)
+    about_x = 1000 * (section.iyy + section.izz)
+    about_y = 1000 * section.iyy + section.area * 1000**3 / 12
+    assert found.inertia[0, 0] == pytest.approx(about_x)
+    assert found.inertia[1, 1] == pytest.approx(about_y)
+
+
+def test_a_closed_surface_has_the_inertia_of_its_body():
+    corners = np.array([[x, y, z] for x in (0.0, 100) for y in (0.0, 10) for z in (0.0, 20)]) + [1e4, -5, 7]
+    triangles = np.array(
+        [
+            [0, 1, 3], [0, 3, 2], [4, 6, 7], [4, 7, 5], [0, 4, 5], [0, 5, 1],
+            [2, 3, 7], [2, 7, 6], [0, 2, 6], [0, 6, 4], [1, 5, 7], [1, 7, 3],
+        ]
+    )  # fmt: skip
+    found = solid_moments(corners, triangles, 20000.0)
+    assert found.centre == pytest.approx([10050, 0, 17])
+    expected = 20000 / 12 * np.array([10**2 + 20**2, 100**2 + 20**2, 100**2 + 10**2])
+    assert found.inertia == pytest.approx(np.diag(expected), rel=1e-9, abs=1e-4)
