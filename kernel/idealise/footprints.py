@@ -122,7 +122,7 @@ def _patch_outline(topology: Topology, wall: Wall, surface: object, flat: Array)
     for first, last in itertools.pairwise(points):
         if np.linalg.norm(last - first) > 4 * topology.tolerance:
             number = topology.carriers.line(first, last - first)
-            found.append(Candidate(wall, stretch_between(topology, number, first, last, 0.5 * (first + last))))
+            found.append(Candidate(wall, stretch_between(topology, number, first, last, 0.5 * (first + last)[None])))
     return found
 
 
@@ -146,7 +146,7 @@ def seats(parts: Parts) -> tuple[list[Candidate], dict[str, list[Seat]]]:
                 found.setdefault(name, []).append(Seat(joint, wall, carrier, start, end, edge))
                 if not edge:
                     points = project(np.array([beam.at(start), beam.at(end)]), (wall.sheet.surface,))
-                    stretch = stretch_between(parts.topology, carrier, points[0], points[1], points.mean(axis=0))
+                    stretch = stretch_between(parts.topology, carrier, points[0], points[1], points.mean(axis=0)[None])
                     candidates.append(Candidate(wall, stretch))
     return candidates, found
 

@@ -44,14 +44,9 @@ def lay_outlines(topology: Topology, walls: Sequence[Wall]) -> None:
 
 
 def _lay(topology: Topology, face: int, stretch: Stretch, role: str) -> None:
-    ends: tuple[Array | None, Array | None] = (
-        stretch.first if stretch.cuts[0] else None,
-        stretch.last if stretch.cuts[1] else None,
-    )
-    if stretch.whole:
-        ends = (None, None)
-    elif not stretch.forward:
-        ends = ends[::-1]
+    ends: tuple[Array | None, Array | None] = (None, None)
+    if not stretch.whole:
+        ends = (stretch.first, stretch.last) if stretch.forward else (stretch.last, stretch.first)
     span = Span(face, stretch.start, stretch.end, role, stretch.forward, stretch.whole)
     topology.add_span(stretch.carrier, span, ends)
 
@@ -127,7 +122,7 @@ def _imprint_face(topology: Topology, candidates: list[Candidate]) -> None:
         partner = candidates[number].partner
         if partner is not None:
             for stretch in partner.outline:
-                if stretch.carrier == here.stretch.carrier:
+                if stretch.carrier == here.stretch.carrier and not stretch.whole:
                     for point in (stretch.first, stretch.last):
                         _cut(topology, here.stretch, point, cuts[number])
     regions = {id(c.partner): _slightly_grown(topology, c.partner) for c in candidates if c.partner is not None}

@@ -34,7 +34,6 @@ class Stretch:
     """Part of a carrier from `first` to `last` (3,), walked in the direction that keeps the region on the left.
 
     start < end: lengths on the carrier; forward: walked from start to end. whole: all of a closed carrier.
-    cuts: whether a vertex stands at `first` and at `last` (not where only the seam of a sheet is).
     """
 
     carrier: int
@@ -44,19 +43,24 @@ class Stretch:
     first: Array
     last: Array
     whole: bool = False
-    cuts: tuple[bool, bool] = (True, True)
 
 
 def stretch_between(topology: Topology, number: int, first: Array, last: Array, through: Array) -> Stretch:
-    """The stretch of the carrier from `first` to `last` that passes by `through` (each (3,))."""
+    """The stretch of the carrier from `first` to `last` (3,) that runs along the points `through` (n, 3).
+
+    On a closed carrier there must be a point in every third of a turn.
+    """
     carrier = topology.carrier(number)
-    a, b, middle = (float(value) for value in carrier.parameters(np.array([first, last, through])))
+    values = carrier.parameters(np.vstack([first, through, last]))
+    a, b = float(values[0]), float(values[-1])
     period = carrier.period
     if period is None:
         return Stretch(number, min(a, b), max(a, b), a < b, first, last)
-    if (middle - a) % period <= (b - a) % period:
-        return Stretch(number, a, a + (b - a) % period, True, first, last)
-    return Stretch(number, b, b + (a - b) % period, False, first, last)
+    steps = np.diff(values)
+    total = float((steps - period * np.round(steps / period)).sum())
+    if total > 0:
+        return Stretch(number, a, a + total, True, first, last)
+    return Stretch(number, b, b - total, False, first, last)
 
 
 def _breaks(labels: NDArray[np.int64], surfaces: list[Surface]) -> list[int]:
@@ -98,8 +102,7 @@ def trace_ring(
         straight = isinstance(sheet, PlaneSheet)
         own = project(guide, (sheet.surface,)) if isinstance(surfaces[labels[begin]], FacetedSurface) else guide
         number = intersection(topology.carriers, surfaces, sheet.surface_id, int(labels[begin]), own, straight=straight)
-        middle = guide[len(guide) // 2] if len(guide) > 2 else 0.5 * (guide[0] + guide[1])
-        ring.append(stretch_between(topology, number, first, last, middle))
+        ring.append(stretch_between(topology, number, first, last, 0.5 * (guide[:-1] + guide[1:])))
     return ring
 
 

@@ -14,6 +14,7 @@ Polygons are for combinatorics only: every edge of the result is put back on its
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 import shapely
@@ -152,12 +153,48 @@ def outline_of(topology: Topology, wall: Wall, region: PolygonLike, joint_carrie
     """The region's outline as stretches of carriers, the region on their left."""
     lines = {number: _drawn(topology, wall.sheet, number, region) for number in sorted(set(wall.known))}
     lines = {number: line for number, line in lines.items() if line is not None}
-    outline: list[Stretch] = []
+    outline: list[_Cut] = []
     for polygon in parts_of(region):
         polygon = shapely.geometry.polygon.orient(polygon)
         for ring in (polygon.exterior, *polygon.interiors):
             outline += _ring_outline(topology, wall.sheet, np.asarray(ring.coords)[:, :2], lines, joint_carriers)
-    return outline
+    return _joined_at_seam(topology, outline)
+
+
+def _joined_at_seam(topology: Topology, outline: list[_Cut]) -> list[Stretch]:
+    """The stretches, those that only the seam of a sheet parted being one again."""
+    whole = [cut.stretch for cut in outline if cut.first and cut.last]
+    open_ended = [cut for cut in outline if not (cut.first and cut.last)]
+    while open_ended:
+        cut = open_ended.pop(0)
+        if cut.first and cut.last:
+            whole.append(cut.stretch)
+            continue
+        stretch = cut.stretch
+        period = topology.carrier(stretch.carrier).period
+        if period is not None and stretch.end - stretch.start >= period - 30 * topology.tolerance:
+            first = topology.carrier(stretch.carrier).at(np.zeros(1))[0]
+            whole.append(Stretch(stretch.carrier, 0.0, period, stretch.forward, first, first, whole=True))
+            continue
+        for place, other in enumerate(open_ended):
+            pair = (cut, other) if not cut.last and not other.first else (other, cut)
+            if pair[0].last or pair[1].first or other.stretch.carrier != stretch.carrier:
+                continue
+            if np.linalg.norm(pair[0].stretch.last - pair[1].stretch.first) <= 30 * topology.tolerance:
+                del open_ended[place]
+                open_ended.insert(0, _Cut(_chained(pair[0].stretch, pair[1].stretch), pair[0].first, pair[1].last))
+                break
+        else:
+            whole.append(stretch)
+    return whole
+
+
+def _chained(one: Stretch, other: Stretch) -> Stretch:
+    """Two stretches of a carrier, the second beginning where the first ends."""
+    length = (one.end - one.start) + (other.end - other.start)
+    if one.forward:
+        return Stretch(one.carrier, one.start, one.start + length, True, one.first, other.last)
+    return Stretch(one.carrier, one.end - length, one.end, False, one.first, other.last)
 
 
 def _drawn(topology: Topology, sheet: Sheet, number: int, region: PolygonLike) -> shapely.Geometry | None:
@@ -172,9 +209,18 @@ def _drawn(topology: Topology, sheet: Sheet, number: int, region: PolygonLike) -
     return line if line.intersects(shapely.box(left - reach, low - reach, right + reach, high + reach)) else None
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class _Cut:
+    """A stretch, and whether it really begins and ends there (not only at the seam of a sheet)."""
+
+    stretch: Stretch
+    first: bool
+    last: bool
+
+
 def _ring_outline(
     topology: Topology, sheet: Sheet, points: Array, lines: dict[int, shapely.Geometry], preferred: set[int]
-) -> list[Stretch]:
+) -> list[_Cut]:
     size = topology.carriers.reach
     points = _without_specks(points, 3 * topology.tolerance)
     if len(points) < 4:
@@ -187,7 +233,7 @@ def _ring_outline(
     runs = [(begin, (begins[(k + 1) % len(begins)] - begin) % n or n) for k, begin in enumerate(begins)]
     space = sheet.lift(points[:-1])
     if len(runs) == 1 and labels[0] is not None and topology.carrier(labels[0]).period is not None:
-        return [_full_turn(topology, sheet, labels[0], space)]
+        return [_Cut(_full_turn(topology, labels[0], space), True, True)]
     corners = []
     for begin, _ in runs:
         before, after = labels[begin - 1], labels[begin]
@@ -202,21 +248,10 @@ def _ring_outline(
         if label is None:
             continue  # the seam
         first, last = corners[position], corners[(position + 1) % len(corners)]
-        inner = space[(begin + count // 2) % n] if count > 1 else 0.5 * (first + last)
+        inner = 0.5 * (space[(begin + np.arange(count)) % n] + space[(begin + np.arange(1, count + 1)) % n])
         stretch = stretch_between(topology, label, first, last, inner)
-        before = labels[begin - 1]
-        after = labels[(begin + count) % n]
-        stretches.append(
-            Stretch(
-                stretch.carrier,
-                stretch.start,
-                stretch.end,
-                stretch.forward,
-                first,
-                last,
-                cuts=(before is not None, after is not None),
-            )
-        )
+        is_real = (labels[begin - 1] is not None, labels[(begin + count) % n] is not None)
+        stretches.append(_Cut(stretch, *is_real))
     return stretches
 
 
@@ -273,7 +308,7 @@ def _own_carrier(topology: Topology, sheet: Sheet, a: Array, b: Array) -> int:
     return topology.carriers.traced((sheet.surface_id,), (sheet.surface,), guide, is_closed=False)
 
 
-def _full_turn(topology: Topology, sheet: Sheet, number: int, points: Array) -> Stretch:
+def _full_turn(topology: Topology, number: int, points: Array) -> Stretch:
     carrier = topology.carrier(number)
     period = carrier.period
     assert period is not None
