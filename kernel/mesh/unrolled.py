@@ -92,8 +92,8 @@ def _close(mesh: RegionMesh, cut: CutRegion, seeded: Region, n_own: int) -> Regi
     if n_left and len(quads):
         _smooth_across(points, quads, mesh.quads, cut, n_seeded, n_own, closed_number, seeded.period)
     points[:, 0] %= seeded.period
-    points[:n_own] = seeded.points[:n_own]
     points[points[:, 0] >= seeded.period, 0] = 0.0  # -1e-17 % period is period
+    points[:n_own] = seeded.points[:n_own]
     return RegionMesh(points, quads, closed_number[mesh.triangles])
 
 

@@ -35,8 +35,8 @@ def recover_edge(x, y, corner, twin, lock, leaving, a, b, kind, queue_a, queue_b
         found = np.int64(-1)
         crossing = np.int64(-1)
         while True:
-            p = corner[following(e)]
-            q = corner[preceding(e)]
+            p = np.int64(corner[following(e)])
+            q = np.int64(corner[preceding(e)])
             if p == b:
                 found = e
                 break

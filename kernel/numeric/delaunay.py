@@ -21,7 +21,7 @@ STACK = 4096
 
 @compiled
 def locate(x, y, corner, twin, lock, node, triangle, confined):
-    """The triangle that holds `node`, walking from `triangle`; -1 at the hull, or at a lock if confined."""
+    """The triangle that holds `node`, walking from `triangle`; -1 at the hull, or at a lock if confined is 1."""
     came_through = -1
     for step in range(_WALK_LIMIT):
         moved = False
@@ -30,8 +30,8 @@ def locate(x, y, corner, twin, lock, node, triangle, confined):
             e = 3 * triangle + (k + turn) % 3
             if e == came_through:
                 continue
-            if orient(x, y, corner[e], corner[following(e)], node) < 0:
-                if twin[e] < 0 or (confined and lock[e] != 0):
+            if orient(x, y, np.int64(corner[e]), np.int64(corner[following(e)]), node) < 0:
+                if twin[e] < 0 or (confined != 0 and lock[e] != 0):
                     return -1
                 came_through = np.int64(twin[e])
                 triangle = came_through // 3
@@ -116,7 +116,7 @@ def insert_all(x, y, order, corner, twin, lock, leaving, n_triangle, double_of):
     triangle = np.int64(0)
     for i in range(len(order)):
         node = np.int64(order[i])
-        triangle = locate(x, y, corner, twin, lock, node, triangle, False)
+        triangle = locate(x, y, corner, twin, lock, node, triangle, np.int64(0))
         is_double = False
         for k in range(3):
             other = corner[3 * triangle + k]

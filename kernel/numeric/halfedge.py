@@ -12,6 +12,8 @@ leaving (n_node,) int32         a half-edge that leaves the node, -1 for none. A
 
 from __future__ import annotations
 
+import numpy as np
+
 from kernel.numeric.compiled import compiled
 
 BOUNDARY = 1
@@ -43,7 +45,7 @@ def flip(corner, twin, lock, leaving, e):
     \ | /            \   /
       a                a
     """
-    f = twin[e]
+    f = np.int64(twin[e])
     e_next = following(e)
     e_last = preceding(e)
     f_next = following(f)
@@ -93,19 +95,19 @@ def flip(corner, twin, lock, leaving, e):
 @compiled
 def find_edge(corner, twin, leaving, a, b):
     """The half-edge from node a to node b, -1 where there is none. Turns about a, both ways at a hull."""
-    start = leaving[a]
+    start = np.int64(leaving[a])
     e = start
     while True:
         if corner[following(e)] == b:
             return e
-        e = twin[preceding(e)]
+        e = np.int64(twin[preceding(e)])
         if e == start:
             return -1
         if e < 0:
             break
     e = start
     while True:
-        f = twin[e]
+        f = np.int64(twin[e])
         if f < 0:
             return -1
         e = following(f)
@@ -116,10 +118,10 @@ def find_edge(corner, twin, leaving, a, b):
 @compiled
 def rewind_to_hull(corner, twin, leaving, node):
     """Make leaving[node] the hull's half-edge again where the node lies on the hull."""
-    start = leaving[node]
+    start = np.int64(leaving[node])
     e = start
     while twin[e] >= 0:
-        e = following(twin[e])
+        e = following(np.int64(twin[e]))
         if e == start:
             return
     leaving[node] = e

@@ -122,7 +122,7 @@ def refine(points, n_node, x, y, origin, scale, corner, twin, lock, leaving, n_t
         node = np.int64(n_node)
         x[node] = to_grid(px, origin[0], scale)
         y[node] = to_grid(py, origin[1], scale)
-        home = np.int64(locate(x, y, corner, twin, lock, node, t, True))
+        home = np.int64(locate(x, y, corner, twin, lock, node, t, np.int64(1)))
         if home < 0:
             continue
         is_free = True

@@ -76,8 +76,8 @@ def triangulate(points, n_seed, start, end, kind, n_spare):
         leaving[corner[e]] = e
     double_of = np.full(n, -1, np.int32)
     bits = _hilbert_bits(n_seed // 2 + 1)
-    order = hilbert_order(x, y, 0, n_seed, GRID_BITS - bits, bits)
-    n_triangle = insert_all(x, y, order, corner, twin, lock, leaving, 2, double_of)
+    order = hilbert_order(x, y, np.int64(0), n_seed, GRID_BITS - bits, bits)
+    n_triangle = insert_all(x, y, order, corner, twin, lock, leaving, np.int64(2), double_of)
     if n > n_seed:
         bits = _hilbert_bits(n - n_seed)
         order = hilbert_order(x, y, n_seed, n, GRID_BITS - bits, bits)

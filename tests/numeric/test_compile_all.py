@@ -1,0 +1,108 @@
+"""Compiling ahead covers every kernel, once; a cache never outlives an edit; without numba's JIT all still runs."""
+
+from __future__ import annotations
+
+import importlib
+import os
+import pkgutil
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import kernel.numeric
+from kernel.numeric import compiled as compiled_module
+from kernel.numeric.compile_all import compile_all
+from kernel.numeric.compiled import compiled
+
+ROOT = Path(__file__).parents[2]
+SIGNATURES = """
+import importlib, pkgutil, kernel.numeric
+from kernel.numeric.compile_all import compile_all
+compile_all()
+for found in pkgutil.iter_modules(kernel.numeric.__path__):
+    module = importlib.import_module("kernel.numeric." + found.name)
+    for name, kernel_ in vars(module).items():
+        if hasattr(kernel_, "signatures") and kernel_.py_func.__module__ == module.__name__:
+            print(found.name, name, len(kernel_.signatures), sum(kernel_.stats.cache_misses.values()))
+"""
+
+
+def run(code: str, **environment: str) -> str:
+    return subprocess.run(
+        [sys.executable, "-W", "error", "-c", code],
+        env={**os.environ, **environment}, cwd=ROOT, check=True, capture_output=True, text=True,
+    ).stdout  # fmt: skip
+
+
+def test_compiling_ahead_leaves_nothing_to_compile() -> None:
+    compile_all()  # fills the cache
+    lines = [line.split() for line in run(SIGNATURES).splitlines()]
+    assert len(lines) > 30
+    assert [line for line in lines if int(line[2]) > 1] == []
+    assert [line for line in lines if int(line[3]) > 0] == []
+
+
+def test_every_file_of_kernels_says_what_it_does() -> None:
+    for found in pkgutil.iter_modules(kernel.numeric.__path__):
+        assert importlib.import_module(f"kernel.numeric.{found.name}").__doc__
+
+
+def test_an_edit_in_any_kernel_makes_every_cache_stale() -> None:
+    stamp = compiled_module._package_stamp()
+    assert {"predicates.py", "triangulation.py"} <= {name for name, _, _ in stamp}
+
+    @compiled
+    def twice(x):
+        return 2 * x
+
+    assert twice._cache._cache_file._source_stamp == compiled_module._STAMP
+
+
+def test_kernels_work_where_no_cache_can_be_written(monkeypatch: pytest.MonkeyPatch) -> None:
+    plain = compiled_module.numba.njit
+
+    def refuse(**options: bool):
+        def decorate(function):
+            if options.get("cache"):
+                raise RuntimeError("cannot cache function: no locator available")
+            return plain(**options)(function)
+
+        return decorate
+
+    monkeypatch.setattr(compiled_module.numba, "njit", refuse)
+    assert compiled(lambda x: x + 1)(2) == 3
+
+
+def test_the_interpreted_kernels_give_the_same_mesh() -> None:
+    code = """
+import sys
+sys.path.insert(0, "tests/mesh")
+from planar_regions import hole, rectangle, region
+from kernel.mesh.planar import mesh_region
+plane = region([rectangle(12, 8, 1), hole(6, 4, 1.5, 1)], (1,))
+for faces in ("quad", "tri"):
+    mesh = mesh_region(plane, 1.0, faces)
+    print(mesh.points.round(9).tolist(), mesh.quads.tolist(), mesh.triangles.tolist())
+"""
+    assert run(code, NUMBA_DISABLE_JIT="1") == run(code)
+
+
+def test_two_threads_mesh_at_once() -> None:
+    from concurrent.futures import ThreadPoolExecutor
+
+    from kernel.mesh.planar import mesh_region
+    from kernel.mesh.region import Region
+
+    t = 2 * np.pi * np.arange(64) / 64
+    disc = Region(
+        np.column_stack([np.cos(t), np.sin(t)]),
+        np.column_stack([np.arange(64), (np.arange(64) + 1) % 64]),
+        np.ones(64, bool),
+        np.ones(64, bool),
+    )
+    with ThreadPoolExecutor(2) as pool:
+        meshes = list(pool.map(lambda _: mesh_region(disc, 0.1), range(8)))
+    assert len({mesh.points.tobytes() for mesh in meshes}) == 1
