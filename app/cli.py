@@ -135,8 +135,8 @@ def classify(
     classified = _classified(model, rules, override, units)
     if explain is not None:
         node = None if explain == ALL_NODES else explain
-        explained = texts.explanation(classified, node)
-        _print(texts.as_json(explained) if as_json else texts.explanation_text(explained))
+        explain_as = texts.explanation_text if not as_json else lambda *about: texts.as_json(texts.explanation(*about))
+        _print(explain_as(classified, node))
         return
     if as_json:
         from app.answers import classification

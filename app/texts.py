@@ -89,33 +89,32 @@ def classification_text(classified: Classified) -> str:
 
 
 def explanation(classified: Classified, node: str | None) -> dict[str, Any]:
-    """Every decision (of `node` and its pieces, by path or name) with its facts; OverrideError for an unknown node."""
-    from kernel.csg.tree import find
+    """Every decision with its facts; of one `node` (path or name) and its pieces also every rule, with its numbers.
 
+    OverrideError: there is no such node, or it was not decided about.
+    """
     decisions: Sequence[Decision] = classified.partition.plan.decisions
-    if node is not None:
-        path, _ = find(classified.csg.root, node.partition("#")[0])
-        decisions = [d for d in decisions if d.node == node or d.node.partition("#")[0] == path]
-        if not decisions:
-            asked = ", ".join(dict.fromkeys(d.node.partition("#")[0] for d in classified.partition.plan.decisions))
-            raise OverrideError(f"node {path} was not decided about, a node above it was: expected one of {asked}")
-    return {"model": classified.csg.source, "decisions": [_explained(decision) for decision in decisions]}
+    if node is None:
+        return {"model": classified.csg.source, "decisions": [_explained(decision) for decision in decisions]}
+    explain = classified.rule_base.explain
+    decided = [{**_explained(d), "rules": explain(d.facts).to_json()["rules"]} for d in _about(classified, node)]
+    return {"model": classified.csg.source, "decisions": decided}
 
 
-def explanation_text(explained: dict[str, Any]) -> str:
+def explanation_text(classified: Classified, node: str | None) -> str:
     """The same for people."""
     lines = []
-    for decision in explained["decisions"]:
-        lines.append(f"{decision['node']}: {decision['type']} ({decision['origin']})")
-        lines.append(f"  rule {decision['rule']}, certainty {decision['certainty']:g}: {decision['because']}")
-        if decision["origin"] == "override":
-            lines.append(f"  the rules say {decision['by_rule']}")
-        if decision["review"]:
-            lines.append(f"  near a threshold ({decision['margin']:.1%} of it away): review this one")
-        lines += [f"  not {r['type']} ({r['rule']}): {r['because']}" for r in decision["rejected"]]
-        lines += [f"  conflict: {conflict}" for conflict in decision["conflicts"]]
-        facts = ", ".join(f"{name} {number(value)}" for name, value in decision["facts"].items())
-        lines.append(f"  facts: {facts}")
+    for decision in classified.partition.plan.decisions if node is None else _about(classified, node):
+        lines.append(f"{decision.node}: {decision.type} ({_origin(decision)})")
+        if node is not None:
+            lines += [f"  {line}" for line in classified.rule_base.explain(decision.facts).to_text().splitlines()]
+            continue
+        by_rule = decision.by_rule
+        lines.append(f"  rule {by_rule.rule}, certainty {by_rule.certainty:g}: {by_rule.because}")
+        if _needs_review(decision):
+            lines.append(f"  near a threshold ({by_rule.margin:.1%} of it away): review this one")
+        lines += [f"  not {r.type} ({r.rule}): {r.because}" for r in by_rule.rejected]
+        lines += [f"  conflict: {conflict}" for conflict in by_rule.conflicts]
     return "\n".join(lines)
 
 
@@ -166,22 +165,50 @@ def plural(count: int, noun: str) -> str:
     return f"{count} {noun}" if count == 1 else f"{count} {noun}s"
 
 
+def _about(classified: Classified, node: str) -> Sequence[Decision]:
+    """The decisions about a node and its pieces."""
+    from kernel.csg.tree import find
+
+    decisions = classified.partition.plan.decisions
+    path, _ = find(classified.csg.root, node.partition("#")[0])
+    about = [d for d in decisions if d.node == node or ("#" not in node and d.node.partition("#")[0] == path)]
+    if not about:
+        asked = ", ".join(dict.fromkeys(d.node.partition("#")[0] for d in decisions))
+        raise OverrideError(f"node {node} was not decided about, one above it was: expected one of {asked}")
+    return about
+
+
 def _explained(decision: Decision) -> dict[str, Any]:
     by_rule = decision.by_rule
     return {
         "node": decision.node,
         "type": decision.type,
         "origin": decision.origin,
+        "because_of": _origin(decision),
         "rule": by_rule.rule,
         "certainty": by_rule.certainty,
         "because": by_rule.because,
         "by_rule": by_rule.type,
         "margin": by_rule.margin,
-        "review": by_rule.margin is not None and by_rule.margin < REVIEW_MARGIN,
+        "review": _needs_review(decision),
         "rejected": [{"type": r.type, "rule": r.rule, "because": r.because} for r in by_rule.rejected],
         "conflicts": list(by_rule.conflicts),
         "facts": {name: _plain(value) for name, value in decision.facts.items()},
     }
+
+
+def _origin(decision: Decision) -> str:
+    """Who decided, in words."""
+    if decision.origin == "rule":
+        return "by the rules"
+    if decision.override is None or decision.type != decision.override.type:
+        return f"a node in it is overridden; the rules say {decision.by_rule.type}"
+    reason = f": {decision.override.reason}" if decision.override.reason else ""
+    return f"override by {decision.override.author}{reason}; the rules say {decision.by_rule.type}"
+
+
+def _needs_review(decision: Decision) -> bool:
+    return decision.by_rule.margin is not None and decision.by_rule.margin < REVIEW_MARGIN
 
 
 def _measures(node: CsgNode) -> str:

@@ -94,7 +94,7 @@ def _add_service(application: FastAPI) -> None:
             raise HTTPException(503, "the database does not answer")
         return {"status": "ok"}
 
-    @application.get("/", include_in_schema=False)
+    @application.api_route("/", methods=["GET", "HEAD"], include_in_schema=False)
     def page() -> FileResponse:
         return FileResponse(WEB / "index.html", headers={"Cache-Control": "no-cache"})
 

@@ -59,13 +59,17 @@ async function attempt(action) {
 
 async function openModel(name, text) {
   const type = name.toLowerCase().endsWith(".json") ? "application/json" : "text/plain";
-  const kept = await (await ask("POST", `/v1/models?name=${encodeURIComponent(name)}`, text, type)).json();
+  await showModel(await (await ask("POST", `/v1/models?name=${encodeURIComponent(name)}`, text, type)).json());
+}
+
+async function showModel(kept) {
   endJob();
   Object.assign(state, { model: kept, segments: null, decisions: [], overrides: [], node: null, mesh: null, view: "segments" });
   byId("model-name").textContent = `${kept.name} (${kept.units})`;
   byId("mesh-result").hidden = true;
   byId("job-text").textContent = "";
   viewer.select(null);
+  history.replaceState(null, "", `?model=${kept.id}`);
   const tree = await askJson("GET", `/v1/models/${kept.id}/tree`);
   state.tree = flatten(tree.root);
   showTree();
@@ -108,7 +112,7 @@ function showSegments() {
 }
 
 function segmentRow(segment) {
-  const measures = ["thickness", "length", "radius", "holes"].filter((name) => segment[name] !== null).map((name) => `${name} ${shown(segment[name])}`);
+  const measures = ["thickness", "length", "radius", "holes"].filter((name) => segment[name]).map((name) => `${name} ${shown(segment[name])}`);
   if (segment.section) measures.push(`section ${segment.section.shape}, A ${shown(segment.section.area)}`);
   const decision = segment.decision;
   const because = segment.origin === "override" ? `override; the rules say ${decision.by_rule}: ${decision.because}` : decision.because;
@@ -170,8 +174,7 @@ function explain(node) {
   const parts = [make("p", {}, make("label", {}, `Decide node ${basePath(node)} yourself: `, typeSelect(node, pinned ? pinned.type : "auto", null)))];
   if (!decisions.length) parts.push(make("p", { class: "quiet" }, "The rules were not asked about this node: a node above it decided."));
   for (const decision of decisions) {
-    parts.push(make("p", {}, make("strong", {}, `${decision.node}: ${decision.type.replace("_", " ")}`), ` (${decision.origin})`));
-    if (decision.origin === "override") parts.push(make("p", {}, `The rules say ${decision.by_rule}.`));
+    parts.push(make("p", {}, make("strong", {}, `${decision.node}: ${decision.type.replace("_", " ")}`), ` (${decision.because_of})`));
     parts.push(make("p", {}, `${decision.because} (rule ${decision.rule}, certainty ${shown(decision.certainty)})`));
     if (decision.review) parts.push(make("p", { class: "bad" }, "Close to a threshold: review this one."));
     for (const rejected of decision.rejected) parts.push(make("p", { class: "quiet" }, `not ${rejected.type.replace("_", " ")}: ${rejected.because} (${rejected.rule})`));
@@ -254,23 +257,28 @@ function showMesh() {
   const mesh = state.mesh;
   const elements = Object.entries(mesh.elements).map(([kind, count]) => `${count} ${kind}`).join(", ");
   const couplings = Object.entries(mesh.couplings).map(([kind, count]) => `${count} ${kind}`).join(", ") || "none";
+  const error = Number((100 * mesh.mass.error).toFixed(2)) || 0;
   const lines = [
-    make("p", {}, `${plural(mesh.nodes, "node")}, ${elements}; couplings: ${couplings}`),
-    make("p", { class: mesh.components === 1 ? "" : "bad" }, plural(mesh.components, "component")),
-    make("p", { class: Math.abs(mesh.mass.error) < 0.03 ? "" : "bad" }, `mass ${shown(mesh.mass.model)}, of the solid ${shown(mesh.mass.solid)} (${(100 * mesh.mass.error).toFixed(2)} %)`),
+    make("p", {}, `${plural(mesh.nodes, "node")}, ${elements}; couplings: ${couplings}; ${plural(mesh.components, "component")}`),
+    make("p", {}, `mass ${shown(mesh.mass.model)}, of the solid ${shown(mesh.mass.solid)} (${error} %)`),
+    qualityTable(mesh.quality),
   ];
-  for (const [kind, measures] of Object.entries(mesh.quality)) {
-    for (const [measure, values] of Object.entries(measures)) {
-      if (values && typeof values === "object" && "min" in values) {
-        lines.push(make("p", {}, `${kind} ${measure.replaceAll("_", " ")}: worst ${shown(values.min)}, 5 % below ${shown(values.p5)}, mean ${shown(values.mean)}`));
-      }
-    }
-  }
   for (const failure of mesh.checks.failures || []) lines.push(make("p", { class: "bad" }, failure));
   for (const warning of mesh.warnings) lines.push(make("p", { class: "quiet" }, warning));
   byId("quality-summary").replaceChildren(...lines);
   byId("mesh-result").hidden = false;
   linkDeck();
+}
+
+// What matters most of each kind: how good the worst ones are.
+function qualityTable(quality) {
+  const columns = [["scaled_jacobian", "min", "least scaled Jacobian"], ["scaled_jacobian", "p5", "5 % below"], ["min_angle", "min", "least angle"], ["max_angle", "max", "largest angle"], ["aspect", "max", "largest aspect"]];
+  const rows = Object.entries(quality).filter(([, measures]) => measures.scaled_jacobian).map(([kind, measures]) => make("tr", {},
+    make("td", {}, kind),
+    ...columns.map(([measure, which]) => make("td", { class: "number" }, measures[measure] ? shown(Number(measures[measure][which].toPrecision(3))) : ""))));
+  if (!rows.length) return make("p", { class: "quiet" }, "Line elements only.");
+  const head = make("tr", {}, make("th", {}, "Elements"), ...columns.map(([, , title]) => make("th", { class: "number" }, title)));
+  return make("table", { class: "figures" }, make("thead", {}, head), make("tbody", {}, ...rows));
 }
 
 function linkDeck() {
@@ -296,4 +304,6 @@ for (const tab of document.querySelectorAll("[role=tab]")) {
 attempt(async () => {
   const formats = await askJson("GET", "/v1/formats");
   byId("deck-format").append(...formats.map((format) => make("option", { value: format.name }, format.title)));
+  const model = new URLSearchParams(location.search).get("model");
+  if (model) await showModel(await askJson("GET", `/v1/models/${encodeURIComponent(model)}`));
 });
