@@ -158,7 +158,8 @@ def area_within(segments: NDArray[np.float64], grid: float) -> Polygon | MultiPo
     """The region that unordered boundary segments (n, 2, 2) enclose; its vertices are the segments' own end points.
 
     The segments are chained on coordinates rounded to `grid`, and points on straight edges (within 3 grids) taken
-    out; then each vertex gets its unrounded coordinates back, so that areas are exact to rounding.
+    out; then each vertex gets its unrounded coordinates back, so that areas are exact to rounding (where boundaries
+    cross within the rounding, the crossing is a vertex of its own and stays).
     """
     import shapely
 
@@ -168,4 +169,4 @@ def area_within(segments: NDArray[np.float64], grid: float) -> Polygon | MultiPo
     region = shapely.build_area(shapely.multilinestrings(shapely.linestrings(rounded.reshape(-1, 2, 2))))
     region = shapely.simplify(region, 3.0 * grid)
     exact = dict(zip(map(tuple, rounded.tolist()), points.tolist()))
-    return shapely.transform(region, lambda flat: np.array([exact[point] for point in map(tuple, flat.tolist())]))
+    return shapely.transform(region, lambda flat: np.array([exact.get(point, point) for point in map(tuple, flat.tolist())]))
