@@ -1,0 +1,65 @@
+"""Jobs outlive the server, and the server outlives a crash."""
+
+import time
+
+import pytest
+from fastapi.testclient import TestClient
+
+from app.api.server import create_app
+from app.settings import load_settings
+
+PLATE = "cube(size = [400, 300, 5], center = false);\n"
+TEXT = {"Content-Type": "text/plain"}
+
+
+def wait_until(condition, seconds=60.0):
+    for _ in range(int(seconds * 50)):
+        if condition():
+            return
+        time.sleep(0.02)
+    raise AssertionError("it did not happen")
+
+
+def submit(client, size):
+    model = client.post("/v1/models", content=PLATE, headers=TEXT).json()["id"]
+    return client.post(f"/v1/models/{model}/meshes", json={"size": size}).headers["location"]
+
+
+def state(client, job):
+    return client.get(job).json()["state"]
+
+
+@pytest.fixture
+def settings(tmp_path):
+    return load_settings(data=str(tmp_path), workers=1)
+
+
+def test_what_was_queued_or_running_when_the_server_stopped_is_done_by_the_next(settings):
+    with TestClient(create_app(settings)) as client:
+        running, queued = submit(client, 20), submit(client, 25)
+        wait_until(lambda: state(client, running) == "running")
+    with TestClient(create_app(settings)) as client:
+        wait_until(lambda: state(client, running) == state(client, queued) == "done")
+
+
+def test_a_crashed_worker_fails_its_job_and_the_next_job_is_done(settings):
+    with TestClient(create_app(settings)) as client:
+        first, second = submit(client, 20), submit(client, 25)
+        wait_until(lambda: state(client, first) == "running")
+        worker = client.app.state.context.jobs._workers[0]
+        wait_until(lambda: worker._process is not None)
+        worker._process.kill()
+        wait_until(lambda: state(client, first) == "failed")
+        problem = client.get(first).json()["problem"]
+        assert problem["status"] == 500 and "died" in problem["detail"]
+        wait_until(lambda: state(client, second) == "done")
+
+
+def test_a_job_that_cannot_be_done_says_why(settings):
+    with TestClient(create_app(settings)) as client:
+        sphere = "sphere($fn = 0, $fa = 12, $fs = 2, r = 10);\n"
+        model = client.post("/v1/models?name=ball.csg", content=sphere, headers=TEXT).json()["id"]
+        job = client.post(f"/v1/models/{model}/meshes", json={"volumes": "hex"}).headers["location"]
+        wait_until(lambda: state(client, job) == "failed")
+        problem = client.get(job).json()["problem"]
+        assert problem["status"] == 409 and "s1" in problem["detail"]
