@@ -169,4 +169,6 @@ def area_within(segments: NDArray[np.float64], grid: float) -> Polygon | MultiPo
     region = shapely.build_area(shapely.multilinestrings(shapely.linestrings(rounded.reshape(-1, 2, 2))))
     region = shapely.simplify(region, 3.0 * grid)
     exact = dict(zip(map(tuple, rounded.tolist()), points.tolist()))
-    return shapely.transform(region, lambda flat: np.array([exact.get(point, point) for point in map(tuple, flat.tolist())]))
+    return shapely.transform(
+        region, lambda flat: np.array([exact.get(point, point) for point in map(tuple, flat.tolist())])
+    )
