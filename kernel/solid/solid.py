@@ -108,13 +108,17 @@ class Solid:
     def components(self) -> tuple[Solid, ...]:
         """The separate pieces, each with the voids inside it; a piece that touches another by a face is one with it.
 
-        In a stable order: by lowest corner of the bounds, then by volume.
+        In a stable order: by lowest corner of the bounds, then by volume. Flakes thinner than the table's tolerance,
+        which Booleans of skew faces leave, are rounding: they are no components.
         """
         if self.is_empty:
             return ()
-        pieces = self.manifold.decompose()
+        thin = 0.5 * self.surfaces.tolerance
+        pieces = [piece for piece in self.manifold.decompose() if abs(piece.volume()) > thin * piece.surface_area()]
+        if not pieces:
+            return ()
         if len(pieces) == 1:
-            return (self,)
+            return (self,) if pieces[0].volume() == self.volume else (Solid(pieces[0], self.surfaces),)
         shells = [Solid(piece, self.surfaces) for piece in pieces if piece.volume() > 0.0]
         voids = [Solid(piece, self.surfaces) for piece in pieces if piece.volume() < 0.0]
         shells.sort(key=lambda shell: (*shell.bounds.ravel().round(9).tolist(), shell.volume))
