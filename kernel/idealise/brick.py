@@ -75,9 +75,7 @@ def _is_round_side(surface: Surface, direction: Array) -> bool:
     return isinstance(surface, CylinderSurface) and _parallel(surface.axis.direction, direction)
 
 
-def sweep_directions(
-    segments: Sequence[Segment], joints: Sequence[Joint], walls: dict[str, Wall]
-) -> dict[str, Array]:
+def sweep_directions(segments: Sequence[Segment], joints: Sequence[Joint], walls: dict[str, Wall]) -> dict[str, Array]:
     """By segment id, the direction along which each brick is swept; bricks that cannot be are not in it.
 
     Of several (a block has three) the one across which most of its contacts lie, with walls that it may stand on and
