@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections import Counter
 from typing import TYPE_CHECKING, Any
 
@@ -65,7 +66,7 @@ def solid_answer(csg: CsgModel, evaluated: Evaluated, units: str) -> SolidAnswer
     solid = evaluated.solid
     points = solid.facets.vertices @ evaluated.frame.T
     return SolidAnswer(
-        model=csg.source,
+        model=os.path.basename(csg.source),
         units=units,
         volume=float(solid.true_volume),
         area=float(solid.area),
@@ -130,7 +131,7 @@ def _common(classified: Classified, sections: dict[str, SectionProperties]) -> d
     volume = float(classified.evaluated.solid.true_volume)
     of_segments = float(sum(segment.volume for segment in segments))
     return {
-        "model": classified.csg.source,
+        "model": os.path.basename(classified.csg.source),
         "units": classified.units.name,
         "volume": volume,
         "rule_base": f"{classified.rule_base.name} {classified.rule_base.version}",

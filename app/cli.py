@@ -79,7 +79,7 @@ def mesh(
     rules: RulesOption = None,
     override: OverrideOption = None,
     material: Annotated[str | None, typer.Option(metavar="NAME|FILE", help="Material of every segment.")] = None,
-    coupling: Annotated[str, typer.Option(help="distributing, rigid.")] = "distributing",
+    coupling: Annotated[str, typer.Option(help="distributing, rigid, work.")] = "distributing",
     report: Annotated[str | None, typer.Option(metavar="FILE.html", help="Write a report with pictures too.")] = None,
     as_json: JsonOption = False,
 ) -> None:

@@ -14,6 +14,7 @@ import time
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from kernel.csg.tree import CsgModel, find
@@ -94,6 +95,7 @@ def classify(
     pinned = resolve_overrides(csg, overrides or {})
     with clock("rules"):
         rule_base = load_rule_base(rules) if rules is None or isinstance(rules, str) else rules
+        rule_base = rule_base.in_units(units_used.name)
     with clock("evaluate"):
         evaluated = evaluate(csg)
     with clock("segment"):
@@ -136,7 +138,7 @@ def mesh(
             units=classified.units,
             material=material,
             coupling=coupling,
-            title=csg.source,
+            title=Path(csg.source).name,  # a deck does not depend on the folder that its model lies in
             rule_base=f"{classified.rule_base.name} {classified.rule_base.version}",
         )
     with clock("check"):

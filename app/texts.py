@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -79,7 +80,7 @@ def classification_text(classified: Classified) -> str:
         rows.append((segment.id, node, segment.type, number(segment.volume), measure, because))
     volume = classified.evaluated.solid.true_volume
     lines = [
-        f"{classified.csg.source}: {plural(len(rows), 'segment')}, volume {number(volume)} {unit}^3",
+        f"{os.path.basename(classified.csg.source)}: {plural(len(rows), 'segment')}, volume {number(volume)} {unit}^3",
         table(("segment", "node", "type", "volume", "measures", "because"), rows),
     ]
     if classified.joints:
@@ -95,10 +96,13 @@ def explanation(classified: Classified, node: str | None) -> dict[str, Any]:
     """
     decisions: Sequence[Decision] = classified.partition.plan.decisions
     if node is None:
-        return {"model": classified.csg.source, "decisions": [_explained(decision) for decision in decisions]}
+        return {
+            "model": os.path.basename(classified.csg.source),
+            "decisions": [_explained(decision) for decision in decisions],
+        }
     explain = classified.rule_base.explain
     decided = [{**_explained(d), "rules": explain(d.facts).to_json()["rules"]} for d in _about(classified, node)]
-    return {"model": classified.csg.source, "decisions": decided}
+    return {"model": os.path.basename(classified.csg.source), "decisions": decided}
 
 
 def explanation_text(classified: Classified, node: str | None) -> str:

@@ -9,7 +9,6 @@ import contextlib
 import os
 import pickle
 import signal
-import tempfile
 import time
 from collections.abc import Callable
 from multiprocessing.connection import Connection
@@ -201,12 +200,13 @@ def _classified(payload: Payload, progress: Progress) -> Classified:
     overrides = {o["node"]: Override(o["type"], o["author"], o["reason"]) for o in payload["overrides"]}
     progress("read", 0.0)
     csg = _csg(payload)
-    if payload["rules"] is None:
-        return pipeline.classify(csg, overrides=overrides, units=payload["units"], progress=progress)
-    with tempfile.TemporaryDirectory(prefix="csgmesh-rules-") as folder:
-        path = Path(folder) / f"{payload['rules']['name']}.yaml"
-        path.write_text(payload["rules"]["text"], encoding="utf-8")
-        return pipeline.classify(csg, overrides=overrides, rules=str(path), units=payload["units"], progress=progress)
+    rules = None
+    if payload["rules"] is not None:
+        from rules.engine import rule_base_from_text
+
+        units = payload["units"] or csg.units or "mm"
+        rules = rule_base_from_text(payload["rules"]["text"], payload["rules"]["name"], units=units)
+    return pipeline.classify(csg, overrides=overrides, rules=rules, units=payload["units"], progress=progress)
 
 
 def _stop(_signal: int, _frame: object) -> NoReturn:

@@ -62,7 +62,7 @@ class MeshRequest(Schema):
     order: Literal[1, 2] = 1
     faces: Literal["quad", "tri"] = "quad"
     volumes: Literal["auto", "hex", "tet"] = "auto"
-    coupling: Literal["distributing", "rigid"] = "distributing"
+    coupling: Literal["distributing", "rigid", "work"] = "distributing"
     material: str | None = Field(default=None, max_length=100)
     units: str | None = Field(default=None, max_length=10)
     rulebase: str | None = Field(default=None, max_length=200)
