@@ -16,8 +16,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kernel.errors import MeshError
+from kernel.mesh.period import shortest_way
 from kernel.mesh.region import Region
-from kernel.mesh.seam import BOUNDARY, Step, follow_boundary, gap_direction, ring_windings, shortest_way
+from kernel.mesh.seam import BOUNDARY, Step, follow_boundary, gap_direction, ring_windings
 from kernel.numeric.inside import inside_rings
 
 _MOST_TURNS = 3

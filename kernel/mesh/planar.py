@@ -23,6 +23,12 @@ def mesh_region(region: Region, size: float, faces: str = "quad") -> RegionMesh:
     cannot be meshed: a boundary that is no ring, points or edges that meet where they should not, an odd curve.
     """
     _check(region, size, faces)
+    if faces != "tri":
+        from kernel.mesh.structured import structured_mesh
+
+        mesh = structured_mesh(region, size)
+        if mesh is not None:
+            return mesh
     if region.period is not None:
         from kernel.mesh.unrolled import periodic_mesh
 
@@ -53,7 +59,9 @@ def _check(region: Region, size: float, faces: str) -> None:
         x, y = region.points[np.flatnonzero(~np.isfinite(region.points).all(axis=1))[0]]
         raise MeshError(f"the region has a point at ({x}, {y})")
     if region.edges.min() < 0 or region.edges.max() >= n_point:
-        raise MeshError(f"the region's edges name points from {region.edges.min()} to {region.edges.max()} of {n_point}")
+        raise MeshError(
+            f"the region's edges name points from {region.edges.min()} to {region.edges.max()} of {n_point}"
+        )
     boundary = region.edges[region.is_boundary]
     leaving = np.bincount(boundary[:, 0], minlength=n_point)
     arriving = np.bincount(boundary[:, 1], minlength=n_point)

@@ -22,6 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kernel.errors import MeshError
+from kernel.mesh.period import shortest_way
 from kernel.mesh.region import Region
 from kernel.numeric.clearance import clearance2
 from kernel.numeric.triangulation import triangulate
@@ -47,11 +48,6 @@ class Step:
     end: int
     along: tuple[float, float]
     kind: str
-
-
-def shortest_way(dx: NDArray[np.float64], period: float) -> NDArray[np.float64]:
-    """x differences taken the shorter way round."""
-    return dx - period * np.round(dx / period)
 
 
 def follow_boundary(region: Region) -> tuple[NDArray[np.int64], NDArray[np.int64]]:

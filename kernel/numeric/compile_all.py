@@ -31,16 +31,13 @@ def compile_all() -> float:
     near = plate.points.copy()
     near[32:] -= [0.0, 2.88]
     mesh_region(Region(near, edges, boundary, plate.is_curved), 1.0, "quad")
-    # a cylinder: with free room for a straight seam, and with an imprint all round that forces a path
-    x = np.arange(16.0)
-    ends = [np.column_stack([x, 0 * x]), np.column_stack([x[::-1], 0 * x + 8]), np.column_stack([x, 0 * x + 4])]
-    for n_ring in (2, 3):
-        points, edges = _joined([_ring(end) for end in ends[:n_ring]])
-        is_boundary = np.arange(len(edges)) < 32
-        mesh_region(Region(points, edges, is_boundary, np.zeros(len(edges), np.bool_), 16.0), 1.0, "quad")
-    # a patch on the cylinder with an island
-    points, edges = _joined([square, _ring(hole)])
-    mesh_region(Region(points, edges, boundary, plate.is_curved, 40.0), 1.0, "quad")
+    # a cylinder with a hole: with free room for a straight seam, and with an imprint all round that forces a path
+    x = np.arange(24.0)
+    rings = [np.column_stack([x, 0 * x]), np.column_stack([x[::-1], 0 * x + 8]), hole, np.column_stack([x, 0 * x + 6])]
+    for n_ring in (3, 4):
+        points, edges = _joined([_ring(ring) for ring in rings[:n_ring]])
+        is_boundary = np.arange(len(edges)) < 56
+        mesh_region(Region(points, edges, is_boundary, np.zeros(len(edges), np.bool_), 24.0), 1.0, "quad")
     return perf_counter() - started
 
 
