@@ -14,31 +14,73 @@ import numpy as np
 import shapely
 
 from kernel.facts import Facts, Value
-from kernel.segment.operands import leaf_count, operands_of, tools_of
+from kernel.segment.operands import leaf_count, operand_at, operands_of, tools_of
 from kernel.segment.slices import smallest_rectangle
 from kernel.segment.supports import free_length
 from kernel.solid.surfaces import plane_frame
 
 if TYPE_CHECKING:
+    from kernel.csg.tree import CsgNode
     from kernel.segment.pieces import Piece
+    from kernel.segment.prism import Prism
 
 FACT_DIGITS = 6
 """Significant digits of a measured fact: what six-digit input can tell apart."""
 
 
 def intent(piece: Piece) -> Facts:
-    """What the tree says, before anything is measured."""
+    """What the tree says, before anything is measured: of the piece, of its tools and of its children."""
+    if piece.intent is None:
+        piece.intent = _intent(piece)
+    return piece.intent
+
+
+def _intent(piece: Piece) -> Facts:
     operand = piece.operand
-    values: dict[str, Value] = {
-        "kind": "piece" if operand is None else operand.node.kind,
-        "role": piece.role,
-        "is_named": piece.name is not None and operand is not None,
-        "depth": piece.depth,
-        "operand_count": 1 if operand is None else max(len(operands_of(operand)), 1),
-        "tool_count": 0 if operand is None else sum(1 for _ in tools_of(operand)),
-        "leaf_count": 0 if operand is None else leaf_count(operand),
+    if operand is None:
+        return Facts(
+            _of_tree("piece", piece.role, False, piece.depth, 1, 0, 0), "intent", {"tools": (), "children": ()}
+        )
+    children = operands_of(operand)
+    tools = tuple(tools_of(operand))
+    values = _of_tree(
+        operand.node.kind,
+        piece.role,
+        operand.node.name is not None,
+        piece.depth,
+        max(len(children), 1),
+        len(tools),
+        leaf_count(operand),
+    )
+    related = {
+        "tools": tuple(_of_node(tool, piece.depth + 1) for tool in tools),
+        "children": tuple(_of_node(child.node, piece.depth + 1) for child in children),
     }
-    return Facts(values, "intent")
+    return Facts(values, "intent", related)
+
+
+def _of_node(node: CsgNode, depth: int) -> Facts:
+    """Facts of a tool or a child, from the tree alone."""
+    operand = operand_at("/", node)
+    count = max(len(operands_of(operand)), 1)
+    tools = sum(1 for _ in tools_of(operand))
+    return Facts(
+        _of_tree(node.kind, "operand", node.name is not None, depth, count, tools, leaf_count(operand)), "intent"
+    )
+
+
+def _of_tree(
+    kind: str, role: str, is_named: bool, depth: int, operand_count: int, tool_count: int, leaves: int
+) -> dict[str, Value]:
+    return {
+        "kind": kind,
+        "role": role,
+        "is_named": is_named,
+        "depth": depth,
+        "operand_count": operand_count,
+        "tool_count": tool_count,
+        "leaf_count": leaves,
+    }
 
 
 def extents(piece: Piece) -> dict[str, Value]:
@@ -81,7 +123,7 @@ def prism(piece: Piece) -> dict[str, Value]:
         {
             "is_prismatic": measured.sweep.is_exact,
             "prism_length": measured.sweep.length,
-            "free_length": free_length(piece.solid, measured, tuple(other.solid for other in piece.neighbours)),
+            "free_length": _free_length(piece, measured),
             "section_long": measured.long_side,
             "section_short": measured.short_side,
             "section_area": measured.area,
@@ -92,6 +134,13 @@ def prism(piece: Piece) -> dict[str, Value]:
             "worst_section_off": measured.worst_section_off,
         }
     )
+
+
+def related(piece: Piece, tier: str) -> dict[str, tuple[Facts, ...]]:
+    """Facts of the things around the piece that a tier brings: its neighbours with the prism tier."""
+    if tier != "prism":
+        return {}
+    return {"neighbours": tuple(intent(other) for other in piece.neighbours)}
 
 
 def walls(piece: Piece) -> dict[str, Value]:
@@ -127,6 +176,21 @@ def necks(piece_count: int, member_volume: float, volume: float) -> dict[str, Va
 
 MEASURES: Mapping[str, Callable[[Piece], dict[str, Value]]] = {"extents": extents, "prism": prism, "walls": walls}
 """How each tier is measured; necks ask about their pieces, so the walk measures them (segment/partition.py)."""
+
+
+def measure(piece: Piece, tier: str) -> dict[str, Value]:
+    """The facts of one tier; a piece that is a copy of another is measured only in what its neighbours change."""
+    like = piece if piece.likeness is None else piece.likeness.of
+    if tier not in like.measured:
+        like.measured[tier] = MEASURES[tier](like)
+    values = like.measured[tier]
+    if like is piece or tier != "prism" or piece.prism is None:
+        return values
+    return {**values, **_rounded({"free_length": _free_length(piece, piece.prism)})}
+
+
+def _free_length(piece: Piece, measured: Prism) -> float:
+    return free_length(piece.solid, measured, tuple(other.solid for other in piece.neighbours))
 
 
 def _rounded(values: Mapping[str, Value]) -> dict[str, Value]:

@@ -14,7 +14,7 @@ import numpy as np
 import shapely
 from shapely import STRtree
 
-from kernel.segment.prism import Sweep, sweeps
+from kernel.segment.prism import Sweep, sweep_along, sweeps
 from kernel.segment.shapes import Draft
 from kernel.segment.walls import PlaneWall
 from kernel.solid.solid import Solid, unite
@@ -115,13 +115,23 @@ def _profiles(drafts: Sequence[Draft], touching: Touching) -> Iterator[Cluster]:
     for index, draft in enumerate(drafts):
         if draft.type == "brick" or draft.is_pinned:
             continue
-        for sweep in sweeps(draft.solid):
-            if sweep.is_exact:
-                by_span.setdefault(_span(sweep, draft.solid), []).append(index)
+        for sweep in _long_sweeps(draft):
+            by_span.setdefault(_span(sweep, draft.solid), []).append(index)
     for span in sorted(by_span, key=lambda span: (-len(by_span[span]), span)):
         if len(by_span[span]) > 1:
             for group in _connected(by_span[span], drafts, touching):
                 yield from _united("profile", group, drafts)
+
+
+def _long_sweeps(draft: Draft) -> list[Sweep]:
+    """Directions along which the draft is exactly swept, and longer than it is wide: parts of a profile are."""
+    if draft.prism is None:
+        found = sweeps(draft.solid)
+    elif draft.solid is draft.whole:
+        found = (draft.prism.sweep,)
+    else:
+        found = (sweep_along(draft.solid, draft.prism.sweep.direction),)
+    return [sweep for sweep in found if sweep.is_exact and sweep.slenderness >= 1.0]
 
 
 def _span(sweep: Sweep, solid: Solid) -> Span:

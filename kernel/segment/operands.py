@@ -11,12 +11,12 @@ override on either counts (`aliases`).
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from kernel.csg.tree import CsgNode, child_path, walk
+from kernel.csg.tree import CsgNode, Primitive, child_path, walk
 from kernel.solid.solid import intersect, subtract
 
 if TYPE_CHECKING:
@@ -107,6 +107,19 @@ def tools_of(operand: Operand) -> Iterator[CsgNode]:
 def leaf_count(operand: Operand) -> int:
     """Primitives in the operand's sub-tree."""
     return sum(not node.operands for _, node in walk(operand.node))
+
+
+LIKENED = ("block", "cylinder", "cone", "wedge", "sphere", "torus")
+"""Primitives that a few numbers describe, so that copies are told apart cheaply."""
+
+
+def likeness_key(operand: Operand) -> tuple | None:
+    """Equal for operands that are copies of one another, moved without turning; None where that is not told cheaply."""
+    node = operand.node
+    if operand.cuts or not isinstance(node, Primitive) or node.kind not in LIKENED:
+        return None
+    sizes = [getattr(node, item.name) for item in fields(node) if item.name not in ("name", "place", "placement")]
+    return (node.kind, node.placement[:3, :3].tobytes(), *sizes)
 
 
 def solid_of(evaluated: Evaluated, operand: Operand) -> Solid:

@@ -27,9 +27,9 @@ from kernel.plan import Conclusion, Decide, Decision, Need, Override, Plan
 from kernel.segment.assign import UnfitError, drafts_as_one, drafts_of_walls
 from kernel.segment.clusters import Cluster, find_clusters
 from kernel.segment.necks import cut_at_neck
-from kernel.segment.operands import Operand, operand_at, operands_of, solid_of
+from kernel.segment.operands import Operand, likeness_key, operand_at, operands_of, solid_of
 from kernel.segment.ownership import settle_overlaps
-from kernel.segment.pieces import Piece
+from kernel.segment.pieces import Likeness, Piece
 from kernel.segment.pinned import Pins, pin
 from kernel.segment.segments import Segment
 from kernel.segment.shapes import Draft, shape_of
@@ -84,7 +84,7 @@ class _Walk:
     evaluated: Evaluated
     decide: Decide
     pins: Pins
-    answers: dict[tuple, Conclusion] = field(default_factory=dict)
+    answers: dict[tuple, Conclusion | Need] = field(default_factory=dict)
     trials: dict[int, tuple[Piece, Outcome]] = field(default_factory=dict)
     neck_depth: int = 0
 
@@ -119,20 +119,17 @@ class _Walk:
             if answer.tier not in TIERS or TIERS.index(answer.tier) <= TIERS.index(facts.tier):
                 raise RuleError(f"the rules ask for facts of {answer.tier!r} that {piece.label} already has")
             for tier in TIERS[TIERS.index(facts.tier) + 1 : TIERS.index(answer.tier) + 1]:
-                facts = facts.with_tier(tier, self._measure(piece, tier))
+                facts = facts.with_tier(tier, self._measure(piece, tier), describe.related(piece, tier))
 
     def _answer(self, facts: Facts) -> Conclusion | Need:
-        key = (facts.tier, *sorted(facts.items()))
-        if key in self.answers:
-            return self.answers[key]
-        answer = self.decide(facts)
-        if isinstance(answer, Conclusion):
-            self.answers[key] = answer
+        answer = self.answers.get(facts.key)
+        if answer is None:
+            answer = self.answers[facts.key] = self.decide(facts)
         return answer
 
     def _measure(self, piece: Piece, tier: str) -> dict:
         if tier != "necks":
-            return describe.MEASURES[tier](piece)
+            return describe.measure(piece, tier)
         outcome = self._cut(piece)
         members = sum(draft.solid.volume for draft in outcome.drafts if draft.type != "brick")
         return describe.necks(len(outcome.drafts), members, piece.solid.volume)
@@ -195,7 +192,12 @@ class _Walk:
             )
             for operand, solid in solids
         ]
+        first: dict[tuple, Piece] = {}
         for index, child in enumerate(pieces):
+            key = likeness_key(solids[index][0])
+            if key is not None and child is not (like := first.setdefault(key, child)):
+                shift = child.solid.bounds.mean(axis=0) - like.solid.bounds.mean(axis=0)
+                child.likeness = Likeness(like, shift)
             child.neighbours = (*piece.neighbours, *(pieces[other] for other in beside[index]))
         return pieces
 

@@ -7,7 +7,9 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
+from kernel.facts import Facts, Value
 from kernel.segment.prism import Prism, Sweep, best_prism, sweeps
 from kernel.segment.slabs import WallDecomposition, decompose
 
@@ -16,11 +18,19 @@ if TYPE_CHECKING:
     from kernel.solid.solid import Solid
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class Likeness:
+    """Another piece that this one is a copy of, and the shift (3,) from that one to this."""
+
+    of: Piece
+    shift: NDArray[np.float64]
+
+
 @dataclass(eq=False)
 class Piece:
     """solid: in the working frame. path: the CSG node that its segments will name; label: the path, with "#n" behind
     it for the n-th piece of a node that was divided. operand: None where the solid has no tree of its own.
-    neighbours: pieces beside it that may touch it.
+    neighbours: pieces beside it that may touch it. likeness: set where an equal piece was measured before.
     """
 
     solid: Solid
@@ -31,6 +41,9 @@ class Piece:
     name: str | None = None
     operand: Operand | None = None
     neighbours: tuple[Piece, ...] = field(default=())
+    likeness: Likeness | None = None
+    intent: Facts | None = None
+    measured: dict[str, dict[str, Value]] = field(default_factory=dict)
 
     @cached_property
     def components(self) -> tuple[Solid, ...]:
@@ -41,11 +54,16 @@ class Piece:
     @cached_property
     def sweeps(self) -> tuple[Sweep, ...]:
         """Directions along which the solid might be swept."""
+        if self.likeness is not None:
+            return tuple(sweep.moved(self.likeness.shift) for sweep in self.likeness.of.sweeps)
         return sweeps(self.solid)
 
     @cached_property
     def prism(self) -> Prism | None:
         """The solid measured along the best of them."""
+        if self.likeness is not None:
+            prism = self.likeness.of.prism
+            return None if prism is None else prism.moved(self.likeness.shift)
         return best_prism(self.solid, self.sweeps)
 
     @cached_property

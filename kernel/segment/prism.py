@@ -5,7 +5,7 @@ A solid is exactly prismatic along d where every triangle is parallel to d, or a
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -18,7 +18,7 @@ from kernel.solid.surfaces import ConeSurface, CylinderSurface, Plane, TorusSurf
 from kernel.units import ANGLE_TOLERANCE, MODEL_TOLERANCE
 
 if TYPE_CHECKING:
-    from kernel.solid.solid import Facets, Solid
+    from kernel.solid.solid import Solid
 
 Vector = NDArray[np.float64]
 
@@ -54,6 +54,11 @@ class Sweep:
         """Extent along the direction."""
         return self.end - self.start
 
+    def moved(self, shift: Vector) -> Sweep:
+        """The same sweep of the solid moved by `shift` (3,)."""
+        along = float(self.direction @ shift)
+        return replace(self, start=self.start + along, end=self.end + along)
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Prism:
@@ -71,6 +76,16 @@ class Prism:
     short_side: float
     volume_deviation: float
     deviations: tuple[float, ...]
+
+    def moved(self, shift: Vector) -> Prism:
+        """The same prism moved by `shift` (3,)."""
+        across = np.array([self.u @ shift, self.v @ shift])
+        return replace(
+            self,
+            sweep=self.sweep.moved(shift),
+            section=shapely.transform(self.section, lambda points: points + across),
+            section_offset=self.section_offset + float(self.sweep.direction @ shift),
+        )
 
     @property
     def area(self) -> float:
@@ -117,7 +132,6 @@ def plane_directions(solid: Solid) -> list[Vector]:
 
 def sweeps(solid: Solid) -> tuple[Sweep, ...]:
     """Directions worth trying, most slender first: axes of revolution, plane normals, and lines where planes meet."""
-    facets = solid.facets
     normals = plane_directions(solid)
     candidates = [surface.axis.direction for surface in _revolved(solid)]
     candidates += normals[: 2 * LARGEST_PLANES]
@@ -134,7 +148,7 @@ def sweeps(solid: Solid) -> tuple[Sweep, ...]:
     for candidate in map(canonical_direction, candidates):
         if not any(abs(candidate @ other) > 1.0 - ANGLE_TOLERANCE**1.5 for other in distinct):
             distinct.append(candidate)
-    found = [_sweep(facets, direction) for direction in distinct]
+    found = [sweep_along(solid, direction) for direction in distinct]
     return tuple(
         sorted(found, key=lambda s: (-round(s.slenderness, 6), not s.is_exact, -round(s.length, 9), *(-s.direction)))
     )
@@ -145,7 +159,9 @@ def _revolved(solid: Solid) -> list[CylinderSurface | ConeSurface | TorusSurface
     return [surface for surface in surfaces if isinstance(surface, CylinderSurface | ConeSurface | TorusSurface)]
 
 
-def _sweep(facets: Facets, direction: Vector) -> Sweep:
+def sweep_along(solid: Solid, direction: Vector) -> Sweep:
+    """The solid as a sweep along one direction, exact or not."""
+    facets = solid.facets
     along = facets.vertices @ direction
     start, end = float(along.min()), float(along.max())
     tilt = np.abs(facets.normals @ direction)

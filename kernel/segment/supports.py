@@ -15,8 +15,6 @@ import numpy as np
 from manifold3d import Manifold
 from numpy.typing import NDArray
 
-from kernel.solid.surfaces import plane_frame
-
 if TYPE_CHECKING:
     from kernel.segment.prism import Prism
     from kernel.solid.solid import Solid
@@ -47,9 +45,10 @@ def free_length(solid: Solid, prism: Prism, neighbours: tuple[Solid, ...]) -> fl
     """Longest length along the prism between supports."""
     sweep = prism.sweep
     slack = 10.0 * solid.surfaces.tolerance
+    axes = np.stack([prism.u, prism.v, sweep.direction], axis=1)
     supports: list[tuple[float, float]] = []
     for neighbour in neighbours:
-        contact = find_contact(solid, sweep.direction, neighbour)
+        contact = find_contact(solid, axes, neighbour)
         if contact is None:
             continue
         length = contact.end - contact.start
@@ -65,13 +64,13 @@ def free_length(solid: Solid, prism: Prism, neighbours: tuple[Solid, ...]) -> fl
     return free
 
 
-def find_contact(solid: Solid, direction: NDArray[np.float64], neighbour: Solid) -> Contact | None:
-    """Where `neighbour` meets the box of `solid` that stands along `direction`; None where it does not."""
-    axes = np.stack([*plane_frame(direction)], axis=1)
-    own, other = solid.facets.vertices @ axes, neighbour.facets.vertices @ axes
+def find_contact(solid: Solid, axes: NDArray[np.float64], neighbour: Solid) -> Contact | None:
+    """Where `neighbour` meets the box of `solid` that stands along the columns of `axes` (3, 3), the last one along
+    the member; None where it does not.
+    """
     slack = 10.0 * solid.surfaces.tolerance
-    low, high = own.min(axis=0), own.max(axis=0)
-    other_low, other_high = other.min(axis=0), other.max(axis=0)
+    low, high = _box(solid, axes)
+    other_low, other_high = _box(neighbour, axes)
     start, end = np.maximum(low, other_low), np.minimum(high, other_high)
     if np.any(end < start - slack):
         return None
@@ -86,3 +85,12 @@ def find_contact(solid: Solid, direction: NDArray[np.float64], neighbour: Solid)
         start[2], end[2] = max(float(along.min()), low[2]), min(float(along.max()), high[2])
         area = float(common.volume()) / max(float(end[2] - start[2]), slack)
     return Contact(float(start[2]), max(float(end[2]), float(start[2])), area / float(np.prod((high - low)[:2])))
+
+
+def _box(solid: Solid, axes: NDArray[np.float64]) -> NDArray[np.float64]:
+    """(2, 3) lowest and highest coordinates along the columns of `axes`."""
+    if np.count_nonzero(axes) == 3:  # the working frame's own axes, renamed
+        ends = solid.bounds @ axes
+        return np.sort(ends, axis=0)
+    along = solid.facets.vertices @ axes
+    return np.array([along.min(axis=0), along.max(axis=0)])
