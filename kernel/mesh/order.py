@@ -32,6 +32,29 @@ def to_second_order(mesh: Mesh, project: Project | None = None) -> Mesh:
     return curved(mesh, project)[0]
 
 
+def places_on(edges: NDArray[np.int64], places: NDArray[np.float64]) -> Project:
+    """A callable for to_second_order that knows the mid-side nodes of some edges and leaves the others straight.
+
+    edges: (n, 2) node pairs, either way round; places: (n, 3). Where an edge is given twice, the first counts.
+    """
+    pairs = np.sort(np.asarray(edges, dtype=np.int64).reshape(-1, 2), axis=1)
+    known, first = np.unique(pairs, axis=0, return_index=True)
+    found = np.asarray(places, dtype=np.float64).reshape(-1, 3)[first]
+
+    def project(middles: NDArray[np.float64], wanted: NDArray[np.int64]) -> NDArray[np.float64]:
+        result = middles.copy()
+        if not len(known):
+            return result
+        base = int(max(known.max(), wanted.max(initial=0))) + 1
+        keys, own = known[:, 0] * base + known[:, 1], wanted[:, 0] * base + wanted[:, 1]
+        place = np.minimum(np.searchsorted(keys, own), len(keys) - 1)
+        hit = keys[place] == own
+        result[hit] = found[place[hit]]
+        return result
+
+    return project
+
+
 def curved(mesh: Mesh, project: Project | None = None) -> tuple[Mesh, int]:
     """(mesh of second order, number of edges whose mid-side nodes were drawn back towards the straight edge).
 

@@ -50,7 +50,7 @@ def load(key: str) -> Tets | None:
     """The mesh kept under `key`, or None where there is none that can be read."""
     path = cache_folder() / f"{key}.npz"
     try:
-        with np.load(path, allow_pickle=False) as kept:
+        with path.open("rb") as file, np.load(file, allow_pickle=False) as kept:
             tets = kept["nodes"].astype(np.float64), kept["tets"].astype(np.int64)
     except (OSError, KeyError, ValueError, zipfile.BadZipFile):
         return None

@@ -1,0 +1,267 @@
+"""Tetrahedra: guarded, checked, repeatable, on the true surfaces."""
+
+from __future__ import annotations
+
+import math
+import os
+import signal
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from kernel.csg.tree import Block, Boolean, Cone, CsgModel, CsgNode, Cylinder, Sphere
+from kernel.errors import MeshError
+from kernel.mesh import tetcache, tets
+from kernel.mesh.boundary import boundary_triangles, closest_on_triangles
+from kernel.mesh.fit import tet_shapes
+from kernel.mesh.mesh import ElementBlock, Mesh
+from kernel.mesh.order import curved, places_on
+from kernel.mesh.shapes import corner_rule, integration_rule, jacobians, measures
+from kernel.mesh.solid_tets import mesh_solid
+from kernel.mesh.tets import check_surface, check_tets, run_guarded, tet_volumes, tetrahedralise
+from kernel.solid.evaluate import evaluate
+from kernel.solid.solid import Solid
+from kernel.solid.surfaces import signed_distance
+
+CUBE = evaluate(CsgModel(root=Block(size=(2, 2, 2)), source="-", language="json")).solid
+
+
+@pytest.fixture(autouse=True, scope="module")
+def cache(tmp_path_factory):
+    """A cache of the test run's own."""
+    folder = tmp_path_factory.mktemp("cache")
+    before = os.environ.get("CSGMESH_CACHE")
+    os.environ["CSGMESH_CACHE"] = str(folder)
+    yield folder
+    if before is None:
+        del os.environ["CSGMESH_CACHE"]
+    else:
+        os.environ["CSGMESH_CACHE"] = before
+
+
+def solid_of(root: CsgNode) -> Solid:
+    return evaluate(CsgModel(root=root, source="-", language="json")).solid
+
+
+def at(x: float, y: float, z: float) -> np.ndarray:
+    placement = np.eye(4)
+    placement[:3, 3] = x, y, z
+    return placement
+
+
+BRACKET = Boolean(
+    operation="difference",
+    children=(
+        Block(size=(40, 30, 40)),
+        Block(size=(40, 40, 40), placement=at(10, -5, 10)),
+        Cylinder(radius=4, height=50, placement=at(25, 15, -5)),
+    ),
+)
+
+
+def test_a_cube_is_filled_and_its_boundary_is_closed() -> None:
+    nodes, elements = tetrahedralise(CUBE.facets.vertices, CUBE.facets.triangles, 1.0)
+    assert tet_volumes(nodes, elements).sum() == pytest.approx(8.0, rel=1e-2)
+    assert (tet_volumes(nodes, elements) > 0.0).all()
+    assert len(np.unique(elements)) == len(nodes)
+    assert check_surface(nodes, boundary_triangles(elements)) == pytest.approx(tet_volumes(nodes, elements).sum())
+
+
+def test_the_same_input_gives_the_same_bytes(cache, monkeypatch) -> None:
+    one = tetrahedralise(CUBE.facets.vertices, CUBE.facets.triangles, 1.0)
+    monkeypatch.setattr(tets, "_run", None)  # the second must come from the cache
+    other = tetrahedralise(CUBE.facets.vertices, CUBE.facets.triangles, 1.0)
+    assert one[0].tobytes() == other[0].tobytes() and one[1].tobytes() == other[1].tobytes()
+    with pytest.raises(TypeError):
+        tetrahedralise(CUBE.facets.vertices, CUBE.facets.triangles, 1.01)
+
+
+def test_a_damaged_entry_is_made_anew(cache) -> None:
+    one = tetrahedralise(CUBE.facets.vertices, CUBE.facets.triangles, 1.5)
+    newest = max((cache / "tets").glob("*.npz"), key=lambda path: path.stat().st_mtime)
+    newest.write_bytes(newest.read_bytes()[:200])
+    other = tetrahedralise(CUBE.facets.vertices, CUBE.facets.triangles, 1.5)
+    assert tet_volumes(*other).sum() == pytest.approx(tet_volumes(*one).sum(), rel=1e-2)
+
+
+def test_old_entries_go_when_the_cache_grows(cache, monkeypatch) -> None:
+    monkeypatch.setenv("CSGMESH_CACHE", str(cache / "small"))
+    monkeypatch.setattr(tetcache, "MAX_BYTES", 5000)
+    mesh = np.zeros((100, 3)), np.zeros((10, 4), np.int64)
+    for number in range(4):
+        tetcache.store(f"key{number}", mesh)
+        path = cache / "small" / "tets" / f"key{number}.npz"
+        if path.exists():
+            os.utime(path, (number, number))
+    assert tetcache.load("key0") is None
+    assert tetcache.load("key3") is not None
+
+
+def test_a_cache_that_cannot_be_written_does_no_harm(tmp_path, monkeypatch) -> None:
+    (tmp_path / "file").write_text("in the way")
+    monkeypatch.setenv("CSGMESH_CACHE", str(tmp_path / "file"))
+    tetcache.store("key", (np.zeros((1, 3)), np.zeros((1, 4), np.int64)))
+    assert tetcache.load("key") is None
+
+
+@pytest.mark.parametrize(
+    ("root", "size"), [(BRACKET, 6.0), (Sphere(radius=10), 6.0), (Cone(bottom_radius=10, top_radius=0, height=20), 5.0)]
+)
+def test_boundary_and_mid_side_nodes_stand_on_the_true_surfaces(root, size) -> None:
+    solid = solid_of(root)
+    body = mesh_solid(solid, size)
+    assert body.left == 0
+    assert (tet_shapes(body.nodes, body.tets) > 0.02).all()
+    numbers = np.unique(solid.facets.surface)
+    distance = np.min([np.abs(signed_distance(solid.surfaces.surfaces[k], body.nodes)) for k in numbers], axis=0)
+    assert distance[np.unique(boundary_triangles(body.tets))].max() < 1e-8 * solid.size
+    mesh = Mesh(body.nodes, (ElementBlock("s", "tet4", body.tets),))
+    second, drawn = curved(mesh, places_on(body.edges, body.middles))
+    (block,) = second.blocks
+    rule = integration_rule("tet10")
+    places = second.nodes[block.connectivity]
+    assert (measures(jacobians(places, corner_rule("tet10"))) > 0.0).all()
+    volume = (measures(jacobians(places, rule)) * rule.weights).sum()
+    assert volume == pytest.approx(solid.true_volume, rel=1e-3)
+    assert drawn <= 0.02 * len(body.edges)
+
+
+def test_corners_of_the_solid_are_nodes() -> None:
+    body = mesh_solid(CUBE, 1.0)
+    for corner in ((0, 0, 0), (2, 0, 0), (2, 2, 2)):
+        assert np.linalg.norm(body.nodes - np.array(corner), axis=1).min() < 1e-9
+    assert tet_volumes(body.nodes, body.tets).sum() == pytest.approx(8.0, rel=1e-9)
+
+
+BAD_SURFACES = {
+    "open": (CUBE.facets.vertices, CUBE.facets.triangles[:-1], "not closed"),
+    "inside out": (CUBE.facets.vertices, CUBE.facets.triangles[:, ::-1], "expected more than 0"),
+    "one triangle turned": (
+        CUBE.facets.vertices,
+        np.vstack([CUBE.facets.triangles[:1, ::-1], CUBE.facets.triangles[1:]]),
+        "not consistently oriented",
+    ),
+    "not finite": (CUBE.facets.vertices * np.array([1, np.nan, 1]), CUBE.facets.triangles, "not finite"),
+    "empty": (np.empty((0, 3)), np.empty((0, 3), np.int64), "expected at least four"),
+    "names no vertex": (CUBE.facets.vertices, CUBE.facets.triangles + 5, "names vertex"),
+    "flat shape": (CUBE.facets.vertices, CUBE.facets.triangles.ravel(), "expected (n, 3) and (m, 3)"),
+    "pinched triangle": (CUBE.facets.vertices, np.array([[0, 0, 1]] * 4), "one vertex twice"),
+}
+
+
+@pytest.mark.parametrize("name", BAD_SURFACES)
+def test_what_is_no_closed_body_never_reaches_the_mesher(name, monkeypatch) -> None:
+    monkeypatch.setattr(tets, "_run", None)
+    vertices, triangles, message = BAD_SURFACES[name]
+    with pytest.raises(MeshError) as raised:
+        tetrahedralise(vertices, triangles, 1.0)
+    assert message in str(raised.value)
+
+
+@pytest.mark.parametrize("size", [0.0, -1.0, math.nan, math.inf, 1e-4])
+def test_sizes_that_make_no_sense_are_refused(size, monkeypatch) -> None:
+    monkeypatch.setattr(tets, "_run", None)
+    with pytest.raises(MeshError, match="expected"):
+        tetrahedralise(CUBE.facets.vertices, CUBE.facets.triangles, size)
+
+
+def test_a_mesher_that_takes_too_long_is_stopped() -> None:
+    with pytest.raises(MeshError, match=r"took longer than 0.2 s and was stopped"):
+        tetrahedralise(CUBE.facets.vertices, CUBE.facets.triangles, 0.9, deadline=0.2)
+
+
+def test_a_mesher_that_wants_too_much_memory_is_stopped() -> None:
+    with pytest.raises(MeshError, match=r"mesher (ran out of the memory|failed|crashed)"):
+        tetrahedralise(CUBE.facets.vertices, CUBE.facets.triangles, 0.8, memory=50_000_000)
+
+
+@pytest.mark.parametrize(
+    ("code", "message"),
+    [
+        ("import os, signal; os.kill(os.getpid(), signal.SIGSEGV)", r"crashed \(SIGSEGV\)"),
+        ("import os, signal; os.kill(os.getpid(), signal.SIGKILL)", "was killed from outside"),
+        ("import sys; sys.exit(139)", r"crashed \(SIGSEGV\)"),
+        ("raise MemoryError", "ran out of the memory"),
+        ("import sys; sys.stderr.write('no good\\n'); sys.exit(3)", "failed with status 3: no good"),
+    ],
+)
+def test_every_way_that_the_child_may_end_is_named(code, message, tmp_path) -> None:
+    with pytest.raises(MeshError, match=message):
+        run_guarded(["-c", code], tmp_path, 20.0)
+
+
+def test_nothing_is_left_behind(tmp_path, monkeypatch) -> None:
+    import tempfile
+
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
+    with pytest.raises(MeshError):
+        tetrahedralise(CUBE.facets.vertices, CUBE.facets.triangles, 0.7, deadline=0.1)
+    assert list(tmp_path.iterdir()) == []
+
+
+GOOD = (
+    np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1], [1, 1, 1]]),
+    np.array([[0, 1, 2, 3], [1, 2, 3, 4]]),
+)
+
+
+@pytest.mark.parametrize(
+    ("nodes", "elements", "volume", "message"),
+    [
+        (GOOD[0], np.empty((0, 4), np.int64), 0.5, "no elements"),
+        (GOOD[0] * np.nan, GOOD[1], 0.5, "not finite"),
+        (GOOD[0], np.array([[0, 1, 2, 3], [1, 2, 4, 3]]), 0.5, "flat or inverted"),
+        (GOOD[0], GOOD[1], 0.7, "expected the same within"),
+        (GOOD[0], np.array([[0, 1, 2, 3]] * 3), 0.5, "share a face"),
+    ],
+)
+def test_a_bad_result_is_refused(nodes, elements, volume, message) -> None:
+    with pytest.raises(MeshError, match=message):
+        check_tets(nodes, elements, volume, 0.01)
+
+
+def test_a_result_that_is_inside_out_as_a_whole_is_turned() -> None:
+    nodes, elements = check_tets(GOOD[0], GOOD[1][:, [0, 2, 1, 3]], 0.5, 0.01)
+    assert (tet_volumes(nodes, elements) > 0.0).all()
+
+
+def test_nearest_places_on_triangles() -> None:
+    triangle = np.tile(np.array([[[0.0, 0, 0], [1, 0, 0], [0, 1, 0]]]), (4, 1, 1))
+    points = np.array([[0.2, 0.2, 3.0], [2, -1, 1], [1, 1, 0], [-1, 0.5, 0]])
+    expected = np.array([[0.2, 0.2, 0], [1, 0, 0], [0.5, 0.5, 0], [0, 0.5, 0]])
+    assert closest_on_triangles(triangle, points) == pytest.approx(expected)
+
+
+def test_the_child_dies_with_its_parent(tmp_path) -> None:
+    """A mesher whose parent is killed does not go on alone."""
+    import subprocess
+    import sys
+    import time
+
+    root = Path(tets.__file__).parents[2]
+    script = (
+        "import numpy as np\n"
+        "from kernel.csg.tree import Sphere, CsgModel\n"
+        "from kernel.solid.evaluate import evaluate\n"
+        "from kernel.mesh.tets import tetrahedralise\n"
+        "f = evaluate(CsgModel(root=Sphere(radius=10), source='-', language='json')).solid.facets\n"
+        "tetrahedralise(f.vertices, f.triangles, 1.0)\n"
+    )
+    parent = subprocess.Popen([sys.executable, "-c", script], cwd=root, env={**os.environ, "TMPDIR": str(tmp_path)})
+    children = Path(f"/proc/{parent.pid}/task/{parent.pid}/children")
+    try:
+        end = time.monotonic() + 20
+        while not (found := children.read_text().split()) and time.monotonic() < end:
+            time.sleep(0.05)
+        assert found
+        time.sleep(0.5)  # the child has asked to die with its parent by now
+    finally:
+        parent.send_signal(signal.SIGKILL)
+        parent.wait()
+    end = time.monotonic() + 5
+    while Path(f"/proc/{found[0]}").exists() and time.monotonic() < end:
+        time.sleep(0.05)
+    gone = not Path(f"/proc/{found[0]}").exists()
+    assert gone or "Z" in Path(f"/proc/{found[0]}/stat").read_text().split(")")[1][:3]
