@@ -212,7 +212,7 @@ def _lifted(flat: Flat, leaf: Lift, *, keep_hull: bool) -> CsgNode | None:
         hull = _polygon(flat)
         if hull.is_empty:
             return None
-        return leaf(FlatLoops((frozen_array(np.array(hull.exterior.coords)[:-1]),), np.eye(3), flat.place))
+        return leaf(FlatLoops(ordered_loops([np.array(hull.exterior.coords)[:-1]]), np.eye(3), flat.place))
     lifted = [_lifted(child, leaf, keep_hull=keep_hull) for child in flat.children]
     if flat.operation == "difference" and lifted[0] is None:
         return None

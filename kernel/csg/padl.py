@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 
 from kernel.csg import padl_syntax as syntax
@@ -103,6 +104,8 @@ class _Reader:
     def _evaluate(self, expression: syntax.Expression) -> Value:
         match expression:
             case syntax.Number():
+                if not math.isfinite(expression.value):
+                    raise self._error(expression.here, "the number is too large, expected one under 1.8e308")
                 return expression.value
             case syntax.Name():
                 return self._named(expression)

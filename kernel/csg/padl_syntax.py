@@ -19,8 +19,7 @@ _BRACKETS = re.compile(r"![^\n]*|[{}()\[\]]")
 
 TERMINALS = {
     "EQUAL": "'='",
-    "_NEWLINE": "the end of the line (or & to go on in the next)",
-    "$END": "the end of the file",
+    "_NEWLINE": "the end of the line",
     "RPAR": "')'",
     "COMMA": "','",
     "LPAR": "'('",
@@ -34,6 +33,8 @@ TERMINALS = {
     "MATERIAL": "MATERIAL",
     "OUT": "OUT",
 }
+
+FOUND = {"_NEWLINE": "the end of the line (& there goes on in the next)"}
 
 
 class Here(NamedTuple):
@@ -115,7 +116,7 @@ def parse_padl(text: str, source: str) -> tuple[Statement, ...]:
     try:
         return parser.parse(text)  # type: ignore[return-value]
     except UnexpectedInput as error:
-        raise_syntax_error(error, parser, text, source, TERMINALS)
+        raise_syntax_error(error, parser, text, source, TERMINALS, FOUND)
 
 
 @functools.cache

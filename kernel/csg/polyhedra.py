@@ -60,10 +60,12 @@ def _fan(face: tuple[int, ...]) -> list[tuple[int, ...]]:
 def _check_closed(faces: list[tuple[int, ...]], place: Place | None) -> None:
     edges = Counter((a, b) for face in faces for a, b in zip(face, (*face[1:], face[0])))
     for (a, b), count in edges.items():
-        if count > 1 or edges[b, a] != 1:
+        n_face = count + edges[b, a]
+        if count > 1 or n_face != 2:
+            faces_found = {1: "1 face", 2: "2 faces that run the same way"}.get(n_face, f"{n_face} faces")
             raise ReadError(
-                f"polyhedron is not closed: the edge between points {a} and {b} belongs to {count + edges[b, a]} faces"
-                f"{'' if count + edges[b, a] != 2 else ' that run the same way'}, expected two that run opposite ways",
+                f"polyhedron is not closed: the edge between points {a} and {b} belongs to {faces_found}, "
+                "expected two that run opposite ways",
                 place=place,
             )
 

@@ -13,6 +13,7 @@ from kernel.errors import ReadError
 _PADL_COMMENT = re.compile(r"![^\n]*")
 _OPENSCAD_BLANK = re.compile(r'//[^\n]*|/\*.*?\*/|"(?:\\.|[^"\\])*"', re.DOTALL)
 _PADL_START = re.compile(r"\s*(?:[A-Za-z_]\w*\s*=(?!=)|(?:units|material|out)\b)", re.IGNORECASE)
+_ASSIGNMENT = re.compile(r"\s*\$?[A-Za-z_]\w*\s*=[^\n;]*;")
 _OPENSCAD_START = re.compile(r"\s*[%#*!]*\s*\$?[A-Za-z_]\w*\s*\(")
 
 
@@ -67,7 +68,7 @@ def language_of(text: str) -> str:
     if text.lstrip()[:1] in "{[":
         return "json"
     padl = _PADL_COMMENT.sub("", text)
-    if _PADL_START.match(padl):
+    if _PADL_START.match(padl) and not _ASSIGNMENT.match(padl):
         return "padl"
     openscad = _OPENSCAD_BLANK.sub("", text)
     if _OPENSCAD_START.match(openscad) and (padl.strip() == "" or _OPENSCAD_START.match(padl)):

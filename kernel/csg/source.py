@@ -84,21 +84,27 @@ def either(words: list[str]) -> str:
 
 
 def raise_syntax_error(
-    error: UnexpectedInput, parser: Lark, text: str, source: str, words: Mapping[str, str]
+    error: UnexpectedInput,
+    parser: Lark,
+    text: str,
+    source: str,
+    words: Mapping[str, str],
+    found_words: Mapping[str, str],
 ) -> NoReturn:
     """A lark error as a ReadError.
 
     words: what each terminal of the grammar is called, in the order in which expected ones are to be named.
+    found_words: what a terminal, or a character, is called where it is found and should not stand.
     """
     if isinstance(error, UnexpectedToken):
         expected = error.accepts or error.expected
         at_end = error.token.type == "$END"
         place = place_at(text, len(text.rstrip()), source) if at_end else Place(source, error.line, error.column)
-        found = "the file ends here" if at_end else f"found {_shown(error.token.type, str(error.token), words)}"
+        found = "the file ends here" if at_end else f"found {_shown(error.token.type, str(error.token), found_words)}"
     elif isinstance(error, UnexpectedCharacters):
         expected = _accepted(parser, text)
         place = Place(source, error.line, error.column)
-        found = f"found {error.char!r}"
+        found = f"found {found_words.get(error.char, repr(error.char))}"
     else:
         expected = set()
         place = place_at(text, len(text.rstrip()), source)
@@ -117,6 +123,6 @@ def _accepted(parser: Lark, text: str) -> set[str]:
 
 
 def _shown(terminal: str, value: str, words: Mapping[str, str]) -> str:
-    if not value.strip():
-        return words.get(terminal, "the end of the line")
+    if terminal in words:
+        return words[terminal]
     return repr(value if len(value) <= 30 else value[:27] + "...")

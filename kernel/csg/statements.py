@@ -35,6 +35,8 @@ TERMINALS = {
     "NAME": "a name such as cube or union",
 }
 
+FOUND = {"=": "an assignment, which belongs to OpenSCAD's source and not to what `openscad -o model.csg` writes"}
+
 
 class Argument(NamedTuple):
     """One argument; key is None for a positional one."""
@@ -67,7 +69,7 @@ def parse_statements(text: str, source: str) -> tuple[Statement, ...]:
     try:
         return parser.parse(text)  # type: ignore[return-value]
     except UnexpectedInput as error:
-        raise_syntax_error(error, parser, text, source, TERMINALS)
+        raise_syntax_error(error, parser, text, source, TERMINALS, FOUND)
 
 
 @functools.cache

@@ -130,7 +130,7 @@ class Torus(Primitive):
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
 class Extrusion(Primitive):
-    """A polygon in z=0 extruded to z=height, turned by `twist` degrees and scaled on the way.
+    """A polygon in z=0 extruded to z=height, turned by `twist` degrees and then scaled on the way.
 
     loops: one or more (n, 2) arrays, filled by the even-odd rule; an outer loop counter-clockwise, holes clockwise.
     twist: degrees over the whole height, clockwise seen from above as OpenSCAD has it; 0 for a prism.
