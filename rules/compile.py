@@ -64,7 +64,7 @@ Evaluated: TypeAlias = "Value | Unknown"
 class View:
     """Facts as the closures read them, and the words decided so far."""
 
-    __slots__ = ("absent", "items", "outer", "related", "values", "words")
+    __slots__ = ("absent", "items", "outer", "related", "strengths", "values", "words")
 
     NOWHERE: ClassVar[View]
     """A view of no facts, for expressions that need none."""
@@ -75,6 +75,7 @@ class View:
         self.related = facts.related
         self.items: dict[str, tuple[View, ...]] = {}
         self.words: dict[str, int] = {}
+        self.strengths: dict[str, float | None] = {}
         self.outer: View | None = None
 
     def things(self, collection: str) -> tuple[View, ...] | Unknown:
@@ -118,7 +119,7 @@ def calculate(operator: str, a: float, b: float) -> Evaluated:
         elif operator == "/":
             result = a / b
         else:
-            result = a**b
+            result = float(a) ** b
     except (ArithmeticError, ValueError):
         return NOTHING
     return result if isinstance(result, int | float) and math.isfinite(result) else NOTHING
@@ -393,9 +394,20 @@ def compile_strength(
         case Quantified(collection=collection, least=least, condition=inner):
             return _quantified_strength(collection, least, compile_strength(inner, parameters, words))
         case WordRef(name=name):
-            return _extreme_strength(list(words[name]), -1.0)
+            return _word_strength(name, _extreme_strength(list(words[name]), -1.0))
     crisp = compile_condition(condition, parameters)
     return lambda view: _CRISP_STRENGTH.get(crisp(view))
+
+
+def _word_strength(name: str, of_makers: Strength) -> Strength:
+    """Once for each node, however many rules use the word."""
+
+    def strength(view: View) -> float | None:
+        if name not in view.strengths:
+            view.strengths[name] = of_makers(view)
+        return view.strengths[name]
+
+    return strength
 
 
 _CRISP_STRENGTH = {TRUE: math.inf, FALSE: -math.inf}

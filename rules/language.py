@@ -418,6 +418,8 @@ class _Builder:
         if name in scope.words:
             why = "is of the node" if scope.item is not None else "is a condition, not a value"
             raise ExpressionError(offset, f"the word {name!r} {why}")
+        if name in ("true", "false"):
+            raise ExpressionError(offset, f"{name!r} is not needed: write the truth value alone, or `not` before it")
         if name in _WORDS_OF_THE_LANGUAGE:
             raise ExpressionError(offset, f"{name!r} is a word of the language, expected a name")
         raise ExpressionError(offset, f"unknown name {name!r}{did_you_mean(name, scope.names())}")

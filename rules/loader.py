@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
+from itertools import islice
 
 from kernel.errors import Place
 from kernel.facts import SPECS, TIERS
@@ -30,7 +32,9 @@ from rules.syntax import (
 )
 from rules.template import Template, parse_template
 
-MAX_RULES = 5_000
+MAX_RULES = 1_000
+MAX_QUANTITY_PARTS = 500
+"""Parts of a quantity when the quantities that it uses are put in: each may double the one before."""
 
 PARAMETER_KEYS = ("meaning", "range", "source", "unit", "value")
 QUANTITY_KEYS = ("meaning", "value")
@@ -202,6 +206,9 @@ class _Loader:
                 if read is None:
                     typed[name] = Typed(QuantityRef(name, FactRef("fill", 1)), 0.0)
                     continue
+                if len(list(islice(walk(read.expression), MAX_QUANTITY_PARTS + 1))) > MAX_QUANTITY_PARTS:
+                    self._error(place, f"the quantity {name!r} has more than {MAX_QUANTITY_PARTS} parts")
+                    read = Typed(FactRef("fill", 1), 0.0)
                 typed[name] = read
                 assert not isinstance(read.dimension, str)
                 quantities[name] = Quantity(name, read.expression, read.dimension, meaning, place)
@@ -356,7 +363,7 @@ class _Loader:
                 level = levels[rule.word]
             else:
                 level = max((levels.get(name, 0) + 1 for name in uses[rule.id]), default=0)
-            rules.append(_at_level(rule, level))
+            rules.append(replace(rule, level=level))
         return dict(sorted(levels.items())), rules
 
     # ---- small things
@@ -410,12 +417,6 @@ class _Loader:
             hint = did_you_mean(text, known) or f", expected one of {', '.join(known)}"
             self._error(found.place, f"unknown {key} {text!r}{hint}")
         return text
-
-
-def _at_level(rule: Rule, level: int) -> Rule:
-    from dataclasses import replace
-
-    return replace(rule, level=level)
 
 
 def _mentions(text: str, names: set[str]) -> bool:

@@ -110,7 +110,7 @@ class Plain:
             "-": lambda a, b: a - b,
             "*": lambda a, b: a * b,
             "/": lambda a, b: a / b,
-            "**": lambda a, b: a**b,
+            "**": lambda a, b: float(a) ** b,
             "min": min,
             "max": max,
             "abs": abs,

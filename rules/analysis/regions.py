@@ -209,6 +209,7 @@ class Regions:
     def __init__(self, compiler: Compiler, words: Mapping[str, list[Condition]]) -> None:
         self._compiler = compiler
         self._words = words
+        self._of_words: dict[tuple[str, bool], list[Box]] = {}
 
     def boxes(self, condition: Condition) -> list[Box]:
         """Where the condition holds; TooManyBoxes where that has too many alternatives."""
@@ -226,8 +227,10 @@ class Regions:
                 boxes = self._boxes(inner, negated)
                 return [replace(box, is_part=True) for box in boxes] if negated else boxes
             case WordRef(name=name):
-                makers = tuple(self._words.get(name, ()))
-                return self._all(makers, True) if negated else self._any(makers, False)
+                if (name, negated) not in self._of_words:
+                    makers = tuple(self._words.get(name, ()))
+                    self._of_words[name, negated] = self._all(makers, True) if negated else self._any(makers, False)
+                return self._of_words[name, negated]
             case Compare():
                 return self._compare(condition, negated)
             case Member(expression=expression, choices=choices):
@@ -242,9 +245,8 @@ class Regions:
     def _all(self, parts: tuple[Condition, ...], negated: bool) -> list[Box]:
         boxes = [Box()]
         for part in parts:
-            boxes = [
-                met for box in boxes for other in self._boxes(part, negated) if (met := box.meet(other)) is not None
-            ]
+            others = self._boxes(part, negated)
+            boxes = [met for box in boxes for other in others if (met := box.meet(other)) is not None]
             _check_size(boxes)
         return boxes
 
