@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Annotated, NoReturn
 
 import typer
 
-from app import texts
+from app import cli_rules, texts
 from app.output import check_writable, write_files
 from kernel.errors import CsgmeshError, OptionError
 
@@ -198,6 +198,9 @@ def quality(
         _print(texts.as_json(answer))
     else:
         _print("\n".join([f"{deck}: {texts.plural(elements.n_node, 'node')}", *texts.quality_lines(measured)]))
+
+
+app.add_typer(cli_rules.app)
 
 
 @app.command()

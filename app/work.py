@@ -21,6 +21,7 @@ from kernel.errors import DefectError
 if TYPE_CHECKING:
     from app.pipeline import Classified
     from kernel.csg.tree import CsgModel
+    from rules.engine import RuleBase
 
 Progress = Callable[[str, float], None]
 Payload = dict[str, Any]
@@ -130,6 +131,35 @@ def mesh_glb_task(payload: Payload, artifacts: Artifacts, _progress: Progress) -
     return artifacts.put(glb(mesh_bodies(model)))
 
 
+def rules_load_task(payload: Payload, _artifacts: Artifacts, _progress: Progress) -> dict[str, str]:
+    """Name and version of a rule base, and the text of the own one; RuleError where it is wrong."""
+    base = _rules(payload["rules"])
+    return {"name": base.name, "version": base.version, "text": _own_rules() if payload["rules"] is None else ""}
+
+
+def rules_check_task(payload: Payload, _artifacts: Artifacts, _progress: Progress) -> dict[str, Any]:
+    """What `rules check --json` gives."""
+    from rules.analysis import check, check_text
+
+    given = payload["rules"]
+    return (check() if given is None else check_text(given["text"], given["name"])).to_json()
+
+
+def rules_test_task(payload: Payload, _artifacts: Artifacts, _progress: Progress) -> dict[str, Any]:
+    """What `rules test --json` gives."""
+    from app.rulework import plan_of
+    from rules.analysis import run_cases
+
+    return run_cases(_rules(payload["rules"]), plan_of).to_json()
+
+
+def rules_diff_task(payload: Payload, _artifacts: Artifacts, _progress: Progress) -> dict[str, Any]:
+    """What `rules diff --json` gives."""
+    from app.rulework import compare
+
+    return compare(_rules(payload["before"]), _rules(payload["after"]), payload["models"]).to_json()
+
+
 TASKS: dict[str, Callable[[Payload, Artifacts, Progress], Any]] = {
     "read": read_task,
     "tree": tree_task,
@@ -140,6 +170,10 @@ TASKS: dict[str, Callable[[Payload, Artifacts, Progress], Any]] = {
     "mesh": mesh_task,
     "deck": deck_task,
     "mesh_glb": mesh_glb_task,
+    "rules_load": rules_load_task,
+    "rules_check": rules_check_task,
+    "rules_test": rules_test_task,
+    "rules_diff": rules_diff_task,
 }
 
 
@@ -200,13 +234,22 @@ def _classified(payload: Payload, progress: Progress) -> Classified:
     overrides = {o["node"]: Override(o["type"], o["author"], o["reason"]) for o in payload["overrides"]}
     progress("read", 0.0)
     csg = _csg(payload)
-    rules = None
-    if payload["rules"] is not None:
-        from rules.engine import rule_base_from_text
-
-        units = payload["units"] or csg.units or "mm"
-        rules = rule_base_from_text(payload["rules"]["text"], payload["rules"]["name"], units=units)
+    rules = _rules(payload["rules"])
     return pipeline.classify(csg, overrides=overrides, rules=rules, units=payload["units"], progress=progress)
+
+
+def _rules(given: dict[str, str] | None) -> RuleBase:
+    """A rule base that was sent, or the own one for None."""
+    from rules.engine import load_rule_base, rule_base_from_text
+
+    return load_rule_base() if given is None else rule_base_from_text(given["text"], given["name"])
+
+
+def _own_rules() -> str:
+    import rules
+
+    files = sorted((Path(rules.__file__).parent / "base").glob("*.yaml"))
+    return "\n".join(f"# {file.name}\n{file.read_text(encoding='utf-8')}" for file in files)
 
 
 def _stop(_signal: int, _frame: object) -> NoReturn:

@@ -13,7 +13,7 @@ from fastapi import FastAPI, HTTPException
 from starlette.responses import FileResponse, RedirectResponse
 from starlette.staticfiles import StaticFiles
 
-from app.api import meshing, models, problems, segments
+from app.api import meshing, models, problems, rulebases, segments
 from app.api.context import Context, Ctx
 from app.schemas import Problem
 from app.settings import Settings
@@ -43,7 +43,7 @@ def create_app(settings: Settings) -> FastAPI:
         lifespan=life,
     )
     problems.install(application)
-    for part in (models, segments, meshing):
+    for part in (models, segments, meshing, rulebases):
         application.include_router(part.router)
     _add_service(application)
     _document_problems(application)

@@ -31,7 +31,7 @@ def csgmesh(capsys):
 
 def test_help_names_every_command_and_only_those_that_work(csgmesh):
     listed = re.findall(r"^  (\w+)  ", csgmesh("--help").partition("Commands:")[2], re.MULTILINE)
-    assert listed == ["mesh", "classify", "tree", "evaluate", "quality", "rules", "serve"]
+    assert listed == ["mesh", "classify", "tree", "evaluate", "quality", "serve", "rules"]
     for name in listed:
         assert "Usage: csgmesh" in csgmesh(name, "--help")
     assert csgmesh() == csgmesh("--help")
