@@ -181,8 +181,8 @@ def _make_group(
         face.region = outlines[0][1]
         face.outline = [stretch for ring in all_rings for stretch in ring]
     else:
-        face.region = shapely.union_all([polygon for _, polygon in outlines], grid_size=1e-7 * own.carriers.reach)
-        face.outline = outline_of(own, face, face.region, set())
+        region = shapely.union_all([polygon for _, polygon in outlines], grid_size=1e-7 * own.carriers.reach)
+        face.outline, face.region = outline_of(own, face, region, set())
     wanted = [Candidate(face, stretch) for ring in all_rings for stretch in ring] if len(segments) > 1 else []
     for joint in joints:
         for name, other in (joint.segments, joint.segments[::-1]):

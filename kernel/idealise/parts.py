@@ -21,25 +21,28 @@ if TYPE_CHECKING:
 class Parts:
     """walls, beams: by segment id, in the order of the segments. warnings: one line each.
 
-    sweeps: groups of swept bricks. hosts: by brick, the wall whose elements it continues, and the joint there.
-    seats: by beam, the walls that it lies along.
+    contacts: all joints; joints: those of segments that have elements. sweeps: groups of swept bricks. hosts: by
+    brick, the wall whose elements it continues, and the joint there. seats: by beam, the walls that it lies along.
+    absorbed: segments that are the material of walls' corners, and have no elements of their own.
     """
 
     topology: Topology
     segments: dict[str, Segment]
-    joints: tuple[Joint, ...]
+    contacts: tuple[Joint, ...]
+    joints: tuple[Joint, ...] = ()
     walls: dict[str, Wall] = field(default_factory=dict)
     beams: dict[str, Beam] = field(default_factory=dict)
     crossings: list[Crossing] = field(default_factory=list)
     sweeps: list[SweepGroup] = field(default_factory=list)
     hosts: dict[str, tuple[Wall, Joint]] = field(default_factory=dict)
     seats: dict[str, list[Seat]] = field(default_factory=dict)
+    absorbed: tuple[str, ...] = ()
     warnings: list[str] = field(default_factory=list)
 
     def neighbours(self) -> dict[str, list[str]]:
         """Ids of the segments that each segment touches, in order."""
         found: dict[str, set[str]] = {name: set() for name in self.segments}
-        for joint in self.joints:
+        for joint in self.contacts:
             a, b = joint.segments
             found[a].add(b)
             found[b].add(a)

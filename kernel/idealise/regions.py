@@ -22,7 +22,16 @@ from numpy.typing import NDArray
 from shapely import LineString, Polygon
 
 from kernel.idealise.carriers import Line
-from kernel.idealise.outlines import PolygonLike, Stretch, domain, meeting_point, stretch_between, unwrapped
+from kernel.idealise.outlines import (
+    PolygonLike,
+    Stretch,
+    domain,
+    even_odd,
+    meeting_point,
+    ring_points,
+    stretch_between,
+    unwrapped,
+)
 from kernel.idealise.sheets import PlaneSheet, Sheet
 from kernel.idealise.topology import Topology
 from kernel.idealise.walls import (
@@ -70,18 +79,18 @@ def join_walls(
     for wall in walls:
         if wall.index in by_wall:
             region = _region(topology, wall, by_wall[wall.index], nearby[wall.index])
-            wall.outline = outline_of(topology, wall, region, {c.carrier for c in by_wall[wall.index]})
-            wall.region = region
+            joint_carriers = {crossing.carrier for crossing in by_wall[wall.index]}
+            wall.outline, wall.region = outline_of(topology, wall, region, joint_carriers)
 
 
-def _strip(topology: Topology, wall: Wall, crossing: Crossing, start: float, end: float) -> PolygonLike:
+def strip(topology: Topology, wall: Wall, crossing: Crossing, start: float, end: float) -> PolygonLike:
     """The other wall's slab in this wall's sheet, along a stretch of the joint curve."""
     carrier = topology.carrier(crossing.carrier)
     other = crossing.other(wall)
     margin = 0.0 if isinstance(carrier, Line) else CURVED_OVERLAP * min(wall.thickness, other.thickness)
     if carrier.period is not None and end - start >= carrier.period - topology.tolerance:
         middle = 0.5 * (start + end)
-        halves = [_strip(topology, wall, crossing, a, b) for a, b in ((start, middle), (middle, end))]
+        halves = [strip(topology, wall, crossing, a, b) for a, b in ((start, middle), (middle, end))]
         return shapely.union_all(halves)
     curve = samples(topology, carrier, start, end)
     sides = [unwrapped(wall.sheet, side) for side in slab_edges(wall, other, curve, margin)]
@@ -98,8 +107,8 @@ def _region(topology: Topology, wall: Wall, crossings: list[Crossing], nearby: l
     for crossing in crossings:
         carrier = topology.carrier(crossing.carrier)
         other = crossing.other(wall)
-        strips += [_strip(topology, wall, crossing, *ends) for ends in crossing.reach[wall.index]]
-        slabs.append(_strip(topology, wall, crossing, *whole_range(topology, carrier, wall.segment.solid.bounds)))
+        strips += [strip(topology, wall, crossing, *ends) for ends in crossing.reach[wall.index]]
+        slabs.append(strip(topology, wall, crossing, *whole_range(topology, carrier, wall.segment.solid.bounds)))
         beyond = CUT_BEYOND * 0.5 * other.thickness
         for intervals in crossing.reach.values():
             for start, end in intervals:
@@ -149,16 +158,22 @@ def _material(topology: Topology, wall: Wall, nearby: list[Segment]) -> list[Pol
 # ---------------------------------------------------------------- polygons back onto carriers
 
 
-def outline_of(topology: Topology, wall: Wall, region: PolygonLike, joint_carriers: set[int]) -> list[Stretch]:
-    """The region's outline as stretches of carriers, the region on their left."""
+def outline_of(
+    topology: Topology, wall: Wall, region: PolygonLike, joint_carriers: set[int]
+) -> tuple[list[Stretch], PolygonLike]:
+    """The region's outline as stretches of carriers, the region on their left; and the region, exact again."""
     lines = {number: _drawn(topology, wall.sheet, number, region) for number in sorted(set(wall.known))}
     lines = {number: line for number, line in lines.items() if line is not None}
     outline: list[_Cut] = []
+    rings: list[Array] = []
     for polygon in parts_of(region):
         polygon = shapely.geometry.polygon.orient(polygon)
         for ring in (polygon.exterior, *polygon.interiors):
-            outline += _ring_outline(topology, wall.sheet, np.asarray(ring.coords)[:, :2], lines, joint_carriers)
-    return _joined_at_seam(topology, outline)
+            cuts = _ring_outline(topology, wall.sheet, np.asarray(ring.coords)[:, :2], lines, joint_carriers)
+            if cuts and wall.sheet.period is None:
+                rings.append(ring_points(topology, wall.sheet, [cut.stretch for cut in cuts]))
+            outline += cuts
+    return _joined_at_seam(topology, outline), even_odd(rings) if rings else region
 
 
 def _joined_at_seam(topology: Topology, outline: list[_Cut]) -> list[Stretch]:

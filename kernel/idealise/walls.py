@@ -121,6 +121,32 @@ def _encloses(sheet: Sheet, points: Array, tolerance: float) -> bool:
     return len(points) > 2 and area > tolerance * length
 
 
+def corner_material(segments: Sequence[Segment], joints: Sequence[Joint], walls: dict[str, Wall]) -> tuple[str, ...]:
+    """Ids of the segments that lie within the slabs of two walls that they touch and that stand across one another.
+
+    Such a piece is what two walls have in common beyond their faces (the mitre of a sharp corner), already counted by
+    their mid-surfaces.
+    """
+    touched: dict[str, list[Wall]] = {}
+    for joint in joints:
+        for name, other in (joint.segments, joint.segments[::-1]):
+            if name not in walls and other in walls and walls[other] not in touched.setdefault(name, []):
+                touched[name].append(walls[other])
+    found = []
+    for segment in segments:
+        points = segment.solid.facets.vertices
+        slack = 10 * segment.solid.surfaces.tolerance
+        around = [
+            wall
+            for wall in touched.get(segment.id, [])
+            if np.abs(signed_distance(wall.sheet.surface, points)).max() <= 0.5 * wall.thickness + slack
+        ]
+        normals = [wall.sheet.normals(points[:1])[0] for wall in around]
+        if any(np.linalg.norm(np.cross(a, b)) > CROSSING_SINE for a in normals for b in normals):
+            found.append(segment.id)
+    return tuple(found)
+
+
 # ---------------------------------------------------------------- crossings
 
 

@@ -20,7 +20,7 @@ from kernel.idealise.members import Assembly
 from kernel.idealise.parts import Parts
 from kernel.idealise.regions import join_walls
 from kernel.idealise.topology import BOUNDARY, Topology
-from kernel.idealise.walls import find_crossings, make_wall
+from kernel.idealise.walls import corner_material, find_crossings, make_wall
 from kernel.mesh.beams import mesh_beams
 from kernel.mesh.bricks import mesh_bricks
 from kernel.mesh.faces import FaceMesh, SeededCurve, mesh_face, seed_curves
@@ -73,7 +73,7 @@ def assemble(
     bricks = mesh_bricks(parts, faces, sizes, options, nodes)
     for name, brick in bricks.items():
         blocks[name] += brick.blocks
-    for joint in joints:
+    for joint in parts.joints:
         beam_stations(parts, joint, sizes)
     lines, seated = mesh_beams(parts, curves, sizes, nodes)
     for name, block in lines.items():
@@ -82,12 +82,12 @@ def assemble(
     ties = make_ties(Meshed(parts, curves, faces, bricks, seated, nodes.points))
     report("tied", 1.0)
     return Assembly(
-        segments=tuple(segments),
+        segments=tuple(segment for segment in segments if segment.id not in parts.absorbed),
         joints=tuple(joints),
         mesh=Mesh(nodes.points, tuple(block for segment in segments for block in blocks[segment.id])),
         sections={name: beam.section for name, beam in parts.beams.items()},
         ties=ties,
-        ledger=volume_ledger(parts, joints),
+        ledger=volume_ledger(parts),
         curve_uses=_curve_uses(curves),
         warnings=tuple(parts.warnings),
         size=size,
@@ -104,8 +104,13 @@ def idealise(segments: Sequence[Segment], joints: Sequence[Joint], size: float, 
     for segment in segments:
         if segment.type in ("plate", "cylinder_plate"):
             parts.walls[segment.id] = make_wall(topology, len(parts.walls), segment)
-        elif segment.type == "beam":
+    parts.absorbed = corner_material(segments, joints, parts.walls)
+    for segment in segments:
+        if segment.type == "beam" and segment.id not in parts.absorbed:
             parts.beams[segment.id] = make_beam(segment)
+    segments = [segment for segment in segments if segment.id not in parts.absorbed]
+    joints = parts.joints = tuple(joint for joint in joints if not set(parts.absorbed) & set(joint.segments))
+    parts.warnings += [f"{name} is the material of a corner of walls: it has no elements" for name in parts.absorbed]
     walls = list(parts.walls.values())
     crossings = find_crossings(topology, walls, joints)
     join_walls(topology, walls, crossings, parts.surroundings(crossings))

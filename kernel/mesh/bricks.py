@@ -44,7 +44,7 @@ def mesh_bricks(
     for group in parts.sweeps:
         meshes.update(_sweep_group(group, faces, sizes, options.faces, nodes))
     for name, segment in parts.segments.items():
-        if segment.type == "brick" and name not in meshes:
+        if segment.type == "brick" and name not in meshes and name not in parts.absorbed:
             if options.volumes == "hex":
                 raise MeshError(f"{name} ({segment.node}) cannot be swept, so it cannot be meshed with hexahedra only")
             meshes[name] = _tetrahedra(segment, sizes[name], options.deadline, nodes)

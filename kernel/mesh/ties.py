@@ -299,6 +299,8 @@ def _wall_on_wall(meshed: Meshed, joint: Joint, first: Wall, second: Wall) -> li
     """Nothing where the two share curves; else the smaller one's nodes on the larger one's elements."""
     if any(first.index in seeded.curve.uses and second.index in seeded.curve.uses for seeded in meshed.curves):
         return []
+    if _joined_through_others(meshed, first, second):
+        return []
     small, large = sorted((first, second), key=lambda wall: (wall.region.area, wall.index))
     surface = meshed.surface(joint)
     patch = joint.patch.buffer(20 * meshed.parts.topology.tolerance)
@@ -317,6 +319,23 @@ def _wall_on_wall(meshed: Meshed, joint: Joint, first: Wall, second: Wall) -> li
             f"{small.segment.id} has no node in their {joint.area:.6g} of contact"
         )
     return [_interpolated(meshed, joint, chosen, large, has_rotations=True)]
+
+
+def _joined_through_others(meshed: Meshed, first: Wall, second: Wall) -> bool:
+    """Whether the curve in which their mid-surfaces meet runs in a wall that continues one of the two.
+
+    So it is where one wall was cut in two beside the joint: the curve lies in the one part, the contact reaches the
+    other.
+    """
+    carriers = {
+        crossing.carrier for crossing in meshed.parts.crossings if first in crossing.walls and second in crossing.walls
+    }
+    sheets = {wall.index: wall.sheet.surface_id for wall in meshed.parts.walls.values()}
+    wanted = {first.sheet.surface_id, second.sheet.surface_id}
+    return any(
+        seeded.curve.carrier in carriers and wanted <= {sheets[face] for face in seeded.curve.uses}
+        for seeded in meshed.curves
+    )
 
 
 def _wall_faces(meshed: Meshed, wall: Wall) -> SurfaceFaces:
