@@ -25,3 +25,11 @@ def test_every_model_has_an_answer_and_every_answer_a_model():
 def test_a_labelled_model_gets_the_segments_that_an_analyst_chooses(name, decide):
     found = partition(evaluate(read_file(str(CASES / f"{name}.csg"))), decide)
     assert is_answer(EXPECTED[name]["answer"], found), told(found)
+
+
+def test_the_geometry_decides_and_the_tree_breaks_ties(decide):
+    exact = 0
+    for name, expected in EXPECTED.items():
+        evaluated = evaluate(read_file(str(CASES / f"{name}.csg")))
+        exact += is_answer(expected["answer"], partition(evaluated, decide, use_tree=False))
+    assert exact >= 0.9 * len(EXPECTED)

@@ -1,0 +1,114 @@
+"""The walk: what is asked, what is recorded, and what the segments are called."""
+
+from __future__ import annotations
+
+import pytest
+from segmenting import plain_decide, segmented
+
+from kernel.errors import RuleError
+from kernel.plan import Need
+from kernel.segment.segments import BeamShape, CylinderShape, PlateShape
+
+FRAME = "P = BLO(100,100,2500) UN BLO(100,100,2500) AT(MOVX=2900) UN BLO(3000,100,140) AT(MOVZ=2360)\n"
+BRACKET = (
+    "BASE = BLO(160,100,10)\nBACK = BLO(10,100,130) AT(MOVZ=10)\n"
+    "P = (BASE UN BACK) DIF CYL(7,20) AT(MOVX=125, MOVY=50, MOVZ=-5)\nOUT P\n"
+)
+
+
+def test_facts_are_measured_tier_by_tier_and_no_further_than_needed():
+    asked = []
+
+    def spy(facts):
+        asked.append(facts.tier)
+        return plain_decide(facts)
+
+    segmented("P = BLO(900,40,40)\n", decide=spy)
+    assert asked == ["intent", "extents", "prism"]
+
+
+def test_equal_questions_are_answered_once():
+    asked = []
+
+    def spy(facts):
+        asked.append(facts)
+        return plain_decide(facts)
+
+    row = " UN ".join(f"BLO(40,40,900) AT(MOVX={200 * k})" for k in range(6))
+    found = segmented(f"P = {row}\n", decide=spy)
+    assert len(found.segments) == 6
+    assert len([facts for facts in asked if facts["role"] == "operand"]) == 3  # one question, in three tiers
+
+
+def test_rules_that_ask_for_what_they_have_are_an_error():
+    with pytest.raises(RuleError, match="already has"):
+        segmented("P = BLO(9,8,7)\n", decide=lambda facts: Need("intent"))
+
+
+def test_every_question_is_in_the_plan_in_the_order_of_the_walk():
+    plan = segmented(FRAME).plan
+    assert [decision.node for decision in plan.decisions] == ["/", "0", "1", "2"]
+    assert plan.of("0").facts["prism_length"] == 2500
+
+
+def test_segments_are_numbered_by_path_and_know_their_names():
+    found = segmented(BRACKET)
+    assert [segment.id for segment in found.segments] == ["s1", "s2"]
+    assert {segment.type for segment in found.segments} == {"plate"}
+    assert {segment.name for segment in segmented(BRACKET, {"/": "split"}).segments} == {"BASE", "BACK"}
+
+
+def test_segments_are_disjoint_and_fill_the_solid():
+    found = segmented(FRAME)
+    assert sum(segment.volume for segment in found.segments) == pytest.approx(2 * 1e4 * 2360 + 3000 * 1.4e4, rel=1e-9)
+
+
+def test_the_larger_section_owns_the_corner_and_the_others_keep_their_full_length():
+    found = segmented(FRAME)
+    column = found.segments[0].shape
+    assert isinstance(column, BeamShape)
+    assert column.end - column.start == pytest.approx(2360)
+    assert column.full_end - column.full_start == pytest.approx(2500)
+    assert found.segments[0].length == pytest.approx(2500)
+
+
+def test_a_plate_knows_its_two_faces_and_where_they_face_one_another():
+    (segment,) = segmented("P = BLO(300,200,10) DIF CYL(20,30) AT(MOVX=150, MOVY=100, MOVZ=-10)\n").segments
+    shape = segment.shape
+    assert isinstance(shape, PlateShape)
+    assert segment.holes == 1
+    assert shape.paired.area == pytest.approx(300 * 200 - 3.14159 * 400, rel=1e-3)
+    surfaces = segment.solid.surfaces.surfaces
+    assert [surfaces[index].offset for index in shape.surface_ids] == [shape.bottom, shape.top]
+
+
+@pytest.mark.parametrize(
+    ("cut", "closed"), [("", True), (" DIF BLO(200,100,400) AT(MOVX=-100, MOVY=0, MOVZ=-5)", False)]
+)
+def test_a_pipe_is_closed_and_half_a_pipe_is_not(cut, closed):
+    (segment,) = segmented(f"P = CYL(80,300) DIF CYL(76,310) AT(MOVZ=-5){cut}\n").segments
+    shape = segment.shape
+    assert isinstance(shape, CylinderShape)
+    assert shape.is_closed is closed
+    assert (shape.z_max - shape.z_min, shape.mid_radius) == (pytest.approx(300), pytest.approx(78))
+
+
+def test_a_beam_in_several_pieces_keeps_its_full_ends_only_outside():
+    text = (
+        "P = BLO(200,200,200) AT(MOVX=-100, MOVY=-100, MOVZ=-100) &\n"
+        " UN BLO(2000,30,30) AT(MOVX=-1000, MOVY=-15, MOVZ=-15)\n"
+    )
+    found = segmented(text)
+    beams = sorted((s for s in found.segments if s.type == "beam"), key=lambda s: s.shape.start)
+    assert [(s.shape.full_start, s.shape.full_end) for s in beams] == [
+        (pytest.approx(-1000), pytest.approx(-100)),
+        (pytest.approx(100), pytest.approx(1000)),
+    ]
+
+
+def test_pieces_that_were_combined_are_all_named():
+    row = "BLO(500,50,50) UN BLO(700,50,50) AT(MOVX=500)"
+    found = segmented(f"P = {row} UN BLO(900,600,10) AT(MOVX=1300)\n")
+    beam = next(segment for segment in found.segments if segment.type == "beam")
+    assert beam.sources == ("0", "1")
+    assert beam.length == pytest.approx(1200)
