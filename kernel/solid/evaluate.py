@@ -24,7 +24,6 @@ from kernel.solid.setting import Setting
 from kernel.solid.solid import Solid
 from kernel.solid.table import SurfaceTable
 from kernel.solid.tracked import CUTTER, NotSolidError, check_status
-from kernel.units import ANGLE_TOLERANCE
 
 _OPERATIONS = {"union": OpType.Add, "difference": OpType.Subtract, "intersection": OpType.Intersect}
 
@@ -113,7 +112,7 @@ def _leaf(leaf: Primitive, path: str, source: int, table: SurfaceTable, frame: W
     with _naming(leaf, path):
         if isinstance(leaf, Hull):
             return hull_manifold(_members(leaf, path, table, frame), table, source)
-        return build(leaf, Setting(table, frame.place(leaf.placement, min(ANGLE_TOLERANCE * 5.0, 1e-5)), source))
+        return build(leaf, Setting(table, frame.place(leaf.placement, table.angle_tolerance), source))
 
 
 @contextmanager

@@ -18,7 +18,7 @@ from kernel.solid.table import snap_to
 SQUARE = 1e-9
 """Columns whose cosines are below this are perpendicular (placements were made rigid when they were read)."""
 
-_EXACT = 1e-12
+_EXACT = 1e-11
 """A scale within this of 1 is 1."""
 
 
