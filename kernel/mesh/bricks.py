@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 import shapely
@@ -26,10 +26,15 @@ Indices = NDArray[np.int64]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class BrickMesh:
-    """blocks: of one brick. pairs: (n, 2) its nodes and the host wall's nodes that they stand on."""
+    """blocks: of one brick. pairs: (n, 2) its nodes and the host wall's nodes that they stand on.
+
+    edges: (e, 2) boundary edges of tets as node pairs; middles: (e, 3) their mid-side nodes on the true surfaces.
+    """
 
     blocks: tuple[ElementBlock, ...]
     pairs: Indices
+    edges: Indices = field(default_factory=lambda: np.empty((0, 2), np.int64))
+    middles: Array = field(default_factory=lambda: np.empty((0, 3)))
 
 
 def mesh_bricks(
@@ -163,16 +168,15 @@ def _pairs(
 
 
 def _tetrahedra(segment: Segment, size: float, deadline: float, nodes: NodeTable) -> BrickMesh:
-    from kernel.mesh.tets import tetrahedralise
+    from kernel.mesh.solid_tets import mesh_solid
 
-    facets = segment.solid.facets
     try:
-        points, tets = tetrahedralise(facets.vertices, facets.triangles, size, deadline=deadline)
+        body = mesh_solid(segment.solid, size, deadline=deadline)
     except MeshError as error:
         raise MeshError(f"{segment.id} ({segment.node}): {error.message}") from error
-    numbers = nodes.add(points)
-    block = ElementBlock(segment.id, "tet4", numbers[tets])
-    return BrickMesh((block,), np.empty((0, 2), np.int64))
+    numbers = nodes.add(body.nodes)
+    block = ElementBlock(segment.id, "tet4", numbers[body.tets])
+    return BrickMesh((block,), np.empty((0, 2), np.int64), numbers[body.edges], body.middles)
 
 
 def outer_faces(blocks: Sequence[ElementBlock]) -> list[Indices]:
