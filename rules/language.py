@@ -265,7 +265,8 @@ class _Builder:
         if "boolean" in (left.dimension, right.dimension):
             name = self._source.text[_offset(left_tree) : offset].strip()
             raise ExpressionError(offset, f"a truth value compared, write {name} or not {name}")
-        if left.dimension != right.dimension:
+        has_zero = Number(0.0) in (left.expression, right.expression)
+        if left.dimension != right.dimension and not has_zero:
             a, b = dimension_name(left.dimension), dimension_name(right.dimension)
             raise ExpressionError(offset, f"{a} compared with {b}")
         measured = _is_measured(left.expression) or _is_measured(right.expression)

@@ -181,9 +181,9 @@ def _shadowed(base: RuleBase, live: list[Rule], boxes: dict[str, list[Box]]) -> 
             covering = _covering(boxes[rule.id], others, boxes)
             if covering:
                 names = " and ".join(repr(name) for name in covering)
-                says = "concludes something else" if kind == "shadowed" else "concludes the same"
-                plural = "rules" if len(covering) > 1 else "rule"
-                message = f"whenever the rule {rule.id!r} holds, the stronger {plural} {names} {says}"
+                rules, conclude = ("rules", "conclude") if len(covering) > 1 else ("rule", "concludes")
+                what = "something else" if kind == "shadowed" else "the same"
+                message = f"whenever the rule {rule.id!r} holds, the stronger {rules} {names} {conclude} {what}"
                 findings.append(Finding(kind, "warning", rule.place, message))
                 break
     return findings

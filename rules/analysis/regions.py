@@ -68,7 +68,7 @@ class Interval:
             Interval(high=self.low, high_open=not self.low_open),
             Interval(low=self.high, low_open=not self.high_open),
         ]
-        return [part for part in parts if not part.is_empty and math.isfinite(part.low + part.high) is False]
+        return [part for part in parts if not part.is_empty]
 
     def sample(self) -> float:
         """A number in it, for examples."""

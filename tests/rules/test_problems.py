@@ -133,7 +133,7 @@ def test_conditions_that_are_wrong(condition, problem):
         (
             "rules:\n  - {id: r, when: v, then: {word: w, because: x}}"
             "\n  - {id: s, when: w, then: {word: v, because: x}}" + DEFAULT,
-            "2:10: words conclude one another in a circle: v, w",
+            "3:10: words conclude one another in a circle: v, w",
         ),
         (
             "rules:\n  - {when: is_named}" + DEFAULT,
