@@ -63,6 +63,13 @@ def recognise(polygon: Polygon) -> Profile:
     return _GENERAL
 
 
+def profile_directions(polygon: Polygon) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Unit vectors along the `width` and the `height` of a rectangle or box, in the outline's coordinates."""
+    loop = rings(polygon)[0]
+    tolerance = SHAPE_TOLERANCE * float(np.ptp(loop, axis=0).max())
+    return _frame(_corners(loop, tolerance))
+
+
 def _circle(loop: Loop, tolerance: float) -> tuple[NDArray[np.float64], float] | None:
     """Centre and radius where the loop is a fine, evenly divided polygon inscribed in a circle."""
     if len(loop) < CIRCLE_SIDES:

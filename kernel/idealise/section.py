@@ -6,7 +6,8 @@ every other outline is solved for by finite elements (torsion.py), which alone n
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import math
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from kernel.errors import MeshError
@@ -79,3 +80,19 @@ def section_properties(outline: Polygon | MultiPolygon) -> SectionProperties:
         outline=outline,
         dimensions=profile.dimensions,
     )
+
+
+def principal_section(section: SectionProperties) -> tuple[SectionProperties, float]:
+    """The section in its principal axes, and the angle (radians, from y to z) by which they are turned.
+
+    The turned y axis is the one that lies nearest to y, so that a section without iyz comes back as it is.
+    """
+    if section.iyz == 0:
+        return section, 0.0
+    # tan 2 a = 2 iyz / (izz - iyy) has one root within 45 degrees of y
+    difference = section.izz - section.iyy
+    angle = 0.5 * math.atan(2 * section.iyz / difference) if difference else math.pi / 4
+    from shapely import affinity
+
+    turned = affinity.rotate(section.outline, -angle, origin=section.centroid, use_radians=True)
+    return replace(section_properties(turned), iyz=0.0), angle

@@ -1,0 +1,110 @@
+"""Abaqus and CalculiX input, and SAP IV cards."""
+
+from dataclasses import replace
+
+import meshio
+import numpy as np
+import pytest
+from handmade import cantilever, channel_outline, shell_cantilever, solid_cantilever, whole_set
+from joined import block_on_plate, lap_of_plates, post_on_plate
+
+from kernel.deck import abaqus, sapiv
+from kernel.deck.deck import format_for
+from kernel.errors import DeckError
+
+
+@pytest.mark.parametrize("name", ["abaqus", "calculix"])
+@pytest.mark.parametrize("kind", ["hex8", "hex20", "tet4", "tet10", "wedge6", "quad4", "tri3", "tri6", "quad8"])
+def test_meshio_reads_back_counts_and_connectivity(tmp_path, name, kind):
+    is_shell = kind in ("quad4", "tri3", "tri6", "quad8")
+    model = shell_cantilever(kind, divisions=(3, 2)) if is_shell else solid_cantilever(kind, divisions=(2, 1, 1))
+    path = tmp_path / "model.inp"
+    path.write_bytes(format_for("model.inp", name).write(replace(model, sets=(whole_set(model, "ALL"),))))
+    text = path.read_text()
+    text = text.replace("TYPE=S6,", "TYPE=STRI65,")  # CalculiX's name for it is not known to meshio
+    path.write_text(text)
+    read = meshio.read(path)
+    assert np.allclose(read.points, model.mesh.nodes)
+    assert np.array_equal(read.cells[0].data, model.mesh.blocks[0].connectivity)
+
+
+def keyword(text: bytes, name: str) -> list[list[str]]:
+    """Data lines of each card of that name."""
+    cards: list[list[str]] = []
+    inside = False
+    for line in text.decode().splitlines():
+        if line.startswith("*"):
+            inside = line.split(",")[0] == name
+            if inside:
+                cards.append([])
+        elif inside:
+            cards[-1].append(line)
+    return cards
+
+
+def test_abaqus_beams_keep_any_section():
+    model = cantilever(channel_outline(), 100.0, 2)
+    section = model.properties[0].section
+    text = abaqus.write(model)
+    ((data, direction, moduli),) = keyword(text, "*BEAM GENERAL SECTION")
+    found = [float(value) for value in data.split(",")]
+    assert found == pytest.approx([section.area, section.iyy, section.iyz, section.izz, section.j])
+    assert direction == "0., 1., 0."
+    assert float(moduli.split(",")[0]) == 210000
+    assert len(keyword(text, "*SHEAR CENTER")) == 1
+
+
+def test_abaqus_couplings_name_their_nodes_and_weights():
+    text = abaqus.write(post_on_plate())
+    (surface,) = keyword(text, "*SURFACE")
+    assert len(surface) == 9
+    assert len(keyword(text, "*DISTRIBUTING")) == 1
+    rigid = abaqus.write(block_on_plate())
+    assert len(keyword(rigid, "*KINEMATIC")) == 9
+    assert all(card == ["1, 3"] for card in keyword(rigid, "*KINEMATIC"))
+
+
+def fields(line: str, widths: list[int]) -> list[str]:
+    result, start = [], 0
+    for width in widths:
+        result.append(line[start : start + width].strip())
+        start += width
+    return result
+
+
+def test_sap_cards_stand_in_their_columns():
+    model = post_on_plate("rigid")
+    lines = sapiv.write(model).decode().splitlines()
+    assert max(map(len, lines)) <= 80
+    control = [int(value) for value in fields(lines[1], [5] * 8)]
+    n_node, n_group = control[:2]
+    assert n_group == 2
+    nodes = [fields(line, [1, 4, *[5] * 6, 10, 10, 10, 5, 10]) for line in lines[2 : 2 + n_node]]
+    assert [int(card[1]) for card in nodes] == list(range(1, n_node + 1))
+    assert float(nodes[10][8]) == pytest.approx(model.mesh.nodes[10, 0])
+    beams = [int(value) for value in fields(lines[2 + n_node], [5] * 5)]
+    assert beams == [2, 5 + 9, 2, 0, 1]  # five bars, nine stiff spokes
+
+
+def test_sap_nodes_of_solids_have_their_rotations_fixed_but_where_a_spoke_ends():
+    model = block_on_plate()
+    lines = sapiv.write(model).decode().splitlines()
+    codes = [fields(line, [1, 4, *[5] * 6])[2:] for line in lines[2 : 2 + model.mesh.n_node]]
+    top = int(np.argmax(model.mesh.nodes[:, 2]))
+    tied = int(model.couplings[0].dependent[0])
+    assert codes[top] == ["0", "0", "0", "1", "1", "1"]
+    assert codes[tied] == ["0"] * 6
+    assert codes[0] == ["0"] * 6
+
+
+def test_sap_refuses_what_it_cannot_carry():
+    with pytest.raises(DeckError, match="segment s1: SAP IV has no tet10 elements"):
+        sapiv.write(solid_cantilever("tet10", divisions=(1, 1, 1)))
+    with pytest.raises(DeckError, match="constraint equations"):
+        sapiv.write(lap_of_plates())
+
+
+@pytest.mark.parametrize("name", ["abaqus", "ansys", "ansys5", "calculix", "sapiv"])
+def test_equal_models_give_equal_bytes(name):
+    writer = format_for("", name)
+    assert writer.write(post_on_plate()) == writer.write(post_on_plate())
