@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import datetime
 import json
+import re
 import secrets
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
@@ -15,8 +16,11 @@ from dataclasses import dataclass
 from typing import Any
 
 from sqlalchemy import Engine, ForeignKey, create_engine, delete, event, select, update
+from sqlalchemy.exc import SQLAlchemyError
 from sqlalchemy.orm import DeclarativeBase, Mapped, MappedAsDataclass, Session, mapped_column
 from sqlalchemy.pool import NullPool
+
+from kernel.errors import OptionError
 
 FINISHED = ("done", "failed", "cancelled")
 
@@ -117,11 +121,18 @@ class Outcome:
 
 
 class Store:
-    """All reading and writing of the state; safe to use from several threads."""
+    """All reading and writing of the state; safe to use from several threads.
+
+    OptionError: the database cannot be opened.
+    """
 
     def __init__(self, database: str) -> None:
-        self._engine = _engine(database)
-        Table.metadata.create_all(self._engine)
+        try:
+            self._engine = _engine(database)
+            Table.metadata.create_all(self._engine)
+        except (SQLAlchemyError, ImportError) as error:
+            reason = str(error).splitlines()[0]
+            raise OptionError(f"the database {_without_password(database)} cannot be opened: {reason}") from error
 
     def close(self) -> None:
         """Let go of the database."""
@@ -317,6 +328,10 @@ def new_id() -> str:
 def now() -> str:
     """UTC, ISO 8601, microseconds."""
     return datetime.datetime.now(datetime.UTC).isoformat(timespec="microseconds")
+
+
+def _without_password(database: str) -> str:
+    return re.sub(r"(://[^:/@]*):[^@]*@", r"\1:...@", database)
 
 
 def _changed(result: Any) -> bool:

@@ -23,11 +23,11 @@ WEB = Path(__file__).parent.parent / "web"
 
 
 def create_app(settings: Settings) -> FastAPI:
-    """The service over `settings`; its workers start and stop with it."""
+    """The service over `settings`; its workers start and stop with it. OptionError: the database cannot be had."""
+    context = Context(settings)
 
     @asynccontextmanager
     async def life(application: FastAPI) -> AsyncIterator[None]:
-        context = Context(settings)
         application.state.context = context
         context.jobs.start()
         try:
@@ -58,18 +58,21 @@ def run_server(settings: Settings) -> None:
     from app.logs import configure_logs
 
     configure_logs()
+    application = create_app(settings)
     listener = _listen(settings.host, settings.port)
     host, port = listener.getsockname()[:2]
     structlog.get_logger().info("listening", url=f"http://{host}:{port}/", data=str(settings.data))
-    config = uvicorn.Config(create_app(settings), log_level="warning", access_log=False, timeout_graceful_shutdown=3)
+    config = uvicorn.Config(application, log_level="warning", access_log=False, timeout_graceful_shutdown=3)
     uvicorn.Server(config).run(sockets=[listener])
 
 
 def _listen(host: str, port: int) -> socket.socket:
+    if not 0 <= port <= 65535:
+        raise OptionError(f"cannot listen at port {port}, expected 0 to 65535")
     try:
         family = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)[0][0]
         return socket.create_server((host, port), family=family, backlog=128)
-    except (OSError, OverflowError) as error:
+    except OSError as error:
         raise OptionError(f"cannot listen at {host}:{port}: {error}") from error
 
 

@@ -1,4 +1,4 @@
-"""A service of its own for each test module, with a client that speaks to it."""
+"""One service for all tests of the session, with a client that speaks to it."""
 
 import pytest
 from fastapi.testclient import TestClient
@@ -9,7 +9,7 @@ from app.settings import load_settings
 BLOCK = "cube(size = [100, 60, 5], center = false);\n"
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="session")
 def client(tmp_path_factory):
     settings = load_settings(data=str(tmp_path_factory.mktemp("data")), workers=1)
     with TestClient(create_app(settings), raise_server_exceptions=False) as client:

@@ -6,6 +6,8 @@ import re
 import struct
 import subprocess
 import sys
+import urllib.error
+import urllib.request
 from pathlib import Path
 
 import pytest
@@ -176,3 +178,38 @@ def test_the_light_commands_load_no_heavy_library():
     code = f"import sys, app.cli; app.cli.run(['tree', sys.argv[1]]); print([m for m in {heavy} if m in sys.modules])"
     done = subprocess.run([sys.executable, "-c", code, TABLE], capture_output=True, text=True, check=True)
     assert done.stdout.splitlines()[-1] == "[]"
+
+
+def test_the_service_listens_until_it_is_stopped_and_leaves_nothing_running(tmp_path):
+    command = [
+        sys.executable,
+        "-c",
+        "from app.cli import main; main()",
+        "serve",
+        "--port",
+        "0",
+        "--data",
+        str(tmp_path),
+    ]
+    with subprocess.Popen(command, stderr=subprocess.PIPE, text=True) as service:
+        line = service.stderr.readline()
+        url = re.search(r"http://[\d.:]+/", line).group()
+        assert urllib.request.urlopen(f"{url}healthz", timeout=10).status == 200
+        with pytest.raises(urllib.error.HTTPError, match="404"):
+            urllib.request.urlopen(f"{url}v1/models/x", timeout=10)
+        service.terminate()
+        assert service.wait(20) in (0, 128 + 15, -15)
+
+
+@pytest.mark.parametrize(
+    "options, complaint",
+    [
+        (["--port", "99999"], "cannot listen"),
+        (["--database", "nonsense://x"], "cannot be opened"),
+        (["--data", "/proc/none"], "data folder"),
+    ],
+)
+def test_a_service_that_cannot_start_says_why(capsys, tmp_path, options, complaint):
+    assert run(["serve", "--data", str(tmp_path), *options]) == 2
+    err = capsys.readouterr().err
+    assert complaint in err and err.count("\n") == 1 and "Traceback" not in err

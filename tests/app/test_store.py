@@ -4,7 +4,7 @@ import pytest
 
 from app.artifacts import Artifacts
 from app.store import Outcome, Store
-from kernel.errors import DefectError
+from kernel.errors import DefectError, OptionError
 
 
 @pytest.fixture
@@ -106,3 +106,15 @@ def test_artifacts_are_found_by_their_content(tmp_path):
 def test_an_artifact_that_is_not_there_is_a_defect(tmp_path, digest):
     with pytest.raises(DefectError):
         Artifacts(tmp_path).get(digest)
+
+
+@pytest.mark.parametrize("url", ["nonsense://x", "no url", "sqlite:////missing/folder/state.db"])
+def test_a_database_that_cannot_be_opened_is_a_wrong_option(url):
+    with pytest.raises(OptionError, match="cannot be opened"):
+        Store(url)
+
+
+def test_a_password_is_not_told():
+    with pytest.raises(OptionError) as caught:
+        Store("nonsense://anna:secret@host/db")
+    assert "secret" not in str(caught.value)
