@@ -17,6 +17,8 @@ from kernel.numeric.valence import even_valences, lock_sharp_corners, remove_low
 _SHARP_CORNER = math.radians(75)
 _SMOOTH_UNDER = 0.93
 _GOOD_ENOUGH = 0.8
+_FIRST_PASSES = 2
+_LAST_PASSES = 3
 _SMALL_SINE = 0.62
 """Pattern search lifts triangles whose smallest angle is under asin(.62) = 38 degrees."""
 
@@ -54,11 +56,11 @@ def triangle_mesh(region: Region, size: float) -> RegionMesh:
     is_fixed[:n_point] = 1
     lock_sharp_corners(nodes, *half_edges, n_node, _SHARP_CORNER)
     active = active_nodes(nodes, n_node, corner, leaving, n_triangle, is_fixed, _SMOOTH_UNDER)
-    smooth_triangles(nodes, *half_edges, active, 4, _GOOD_ENOUGH)
+    smooth_triangles(nodes, *half_edges, active, _FIRST_PASSES, _GOOD_ENOUGH)
     n_triangle = remove_low_valence(nodes, *half_edges, n_triangle, is_fixed, n_node)
     even_valences(nodes, *half_edges, n_triangle, n_node)
     active = active_nodes(nodes, n_node, corner, leaving, n_triangle, is_fixed, _SMOOTH_UNDER)
-    smooth_triangles(nodes, *half_edges, active, 4, _GOOD_ENOUGH)
+    smooth_triangles(nodes, *half_edges, active, _LAST_PASSES, _GOOD_ENOUGH)
     raise_smallest_angles(nodes, corner, mesh.twin, leaving, active, _SMALL_SINE, 3)
     return compact(nodes[:n_node], n_point, np.empty((0, 4), np.int64), corner[: 3 * n_triangle].reshape(-1, 3))
 

@@ -18,6 +18,9 @@ import numpy as np
 
 from kernel.numeric.compiled import compiled
 
+_RATIO_WEIGHT = 1.5
+"""The pattern search weighs aspect less than angles: a rectangle of 1 to 2.6 counts as a corner of 45 degrees."""
+
 
 @compiled
 def quads_about(quads, n_node):
@@ -49,8 +52,18 @@ def corner_sine(ax, ay, bx, by, cx, cy):
 
 
 @compiled
-def _corner_shape(ax, ay, bx, by, cx, cy, ratio_weight):
-    """The smaller of the corner's sine and ratio_weight times its mean ratio, 2 u x v / (u^2 + v^2)."""
+def _corner_ratio(ax, ay, bx, by, cx, cy):
+    """Mean ratio of the corner at b, 2 u x v / (u^2 + v^2): 1 for a square's, never above the sine."""
+    ux = cx - bx
+    uy = cy - by
+    vx = ax - bx
+    vy = ay - by
+    return 2 * (ux * vy - uy * vx) / (ux * ux + uy * uy + vx * vx + vy * vy + 1e-300)
+
+
+@compiled
+def _corner_shape(ax, ay, bx, by, cx, cy):
+    """The smaller of the corner's sine and _RATIO_WEIGHT times its mean ratio."""
     ux = cx - bx
     uy = cy - by
     vx = ax - bx
@@ -58,7 +71,7 @@ def _corner_shape(ax, ay, bx, by, cx, cy, ratio_weight):
     area = ux * vy - uy * vx
     u2 = ux * ux + uy * uy
     v2 = vx * vx + vy * vy
-    return min(area / math.sqrt(u2 * v2 + 1e-300), 2 * ratio_weight * area / (u2 + v2 + 1e-300))
+    return min(area / math.sqrt(u2 * v2 + 1e-300), 2 * _RATIO_WEIGHT * area / (u2 + v2 + 1e-300))
 
 
 @compiled
@@ -83,7 +96,29 @@ def quad_sines(nodes, quads):
 
 
 @compiled
-def worst_about(nodes, quads, offset, incidence, v, x, y, ratio_weight):
+def worst_ratio_about(nodes, quads, offset, incidence, v, x, y):
+    """Worst mean ratio of the corners about node v if it stood at x, y (the corner opposite v does not change)."""
+    worst = 2.0
+    for w in range(offset[v], offset[v + 1]):
+        i = incidence[w] // 4
+        j = incidence[w] % 4
+        a = quads[i, (j + 1) % 4]
+        b = quads[i, (j + 2) % 4]
+        c = quads[i, (j + 3) % 4]
+        ax = nodes[a, 0]
+        ay = nodes[a, 1]
+        bx = nodes[b, 0]
+        by = nodes[b, 1]
+        cx = nodes[c, 0]
+        cy = nodes[c, 1]
+        worst = min(worst, _corner_ratio(cx, cy, x, y, ax, ay))
+        worst = min(worst, _corner_ratio(x, y, ax, ay, bx, by))
+        worst = min(worst, _corner_ratio(bx, by, cx, cy, x, y))
+    return worst
+
+
+@compiled
+def worst_shape_about(nodes, quads, offset, incidence, v, x, y):
     """Worst corner shape of the quads about node v if it stood at x, y (the corner opposite v does not change)."""
     worst = 2.0
     for w in range(offset[v], offset[v + 1]):
@@ -98,9 +133,9 @@ def worst_about(nodes, quads, offset, incidence, v, x, y, ratio_weight):
         by = nodes[b, 1]
         cx = nodes[c, 0]
         cy = nodes[c, 1]
-        worst = min(worst, _corner_shape(cx, cy, x, y, ax, ay, ratio_weight))
-        worst = min(worst, _corner_shape(x, y, ax, ay, bx, by, ratio_weight))
-        worst = min(worst, _corner_shape(bx, by, cx, cy, x, y, ratio_weight))
+        worst = min(worst, _corner_shape(cx, cy, x, y, ax, ay))
+        worst = min(worst, _corner_shape(x, y, ax, ay, bx, by))
+        worst = min(worst, _corner_shape(bx, by, cx, cy, x, y))
     return worst
 
 
@@ -139,24 +174,28 @@ def smooth_quads(nodes, quads, is_fixed, n_pass, n_search, active_under, search_
                 c = quads[i, (j + 3) % 4]
                 total_x += 0.85 * (nodes[a, 0] + nodes[c, 0]) - 0.35 * nodes[b, 0]
                 total_y += 0.85 * (nodes[a, 1] + nodes[c, 1]) - 0.35 * nodes[b, 1]
+            x = nodes[v, 0]
+            y = nodes[v, 1]
             weight = 1.35 * (offset[v + 1] - offset[v])
             to_x = total_x / weight
             to_y = total_y / weight
-            before_shape = worst_about(nodes, quads, offset, incidence, v, nodes[v, 0], nodes[v, 1], 1.0)
+            before_ratio = 2.0  # not known yet: a move that is good enough needs no comparison
             for _attempt in range(3):
-                shape = worst_about(nodes, quads, offset, incidence, v, to_x, to_y, 1.0)
-                if shape >= min(before_shape, good_enough):
+                ratio = worst_ratio_about(nodes, quads, offset, incidence, v, to_x, to_y)
+                if ratio < good_enough and before_ratio == 2.0:
+                    before_ratio = worst_ratio_about(nodes, quads, offset, incidence, v, x, y)
+                if ratio >= min(before_ratio, good_enough):
                     nodes[v, 0] = to_x
                     nodes[v, 1] = to_y
                     break
-                to_x = 0.5 * (to_x + nodes[v, 0])
-                to_y = 0.5 * (to_y + nodes[v, 1])
+                to_x = 0.5 * (to_x + x)
+                to_y = 0.5 * (to_y + y)
     for _ in range(n_search):
         for z in range(n_active):
             v = active[z]
             x = nodes[v, 0]
             y = nodes[v, 1]
-            best = worst_about(nodes, quads, offset, incidence, v, x, y, 1.5)
+            best = worst_shape_about(nodes, quads, offset, incidence, v, x, y)
             if best >= search_under:
                 continue
             w = offset[v]
@@ -170,7 +209,7 @@ def smooth_quads(nodes, quads, is_fixed, n_pass, n_search, active_under, search_
                     direction = d * math.pi / 4 + 0.3 * attempt
                     to_x = x + step * math.cos(direction)
                     to_y = y + step * math.sin(direction)
-                    shape = worst_about(nodes, quads, offset, incidence, v, to_x, to_y, 1.5)
+                    shape = worst_shape_about(nodes, quads, offset, incidence, v, to_x, to_y)
                     if shape > best:
                         best = shape
                         best_x = to_x

@@ -104,8 +104,8 @@ def _flip_if_better(points, corner, twin, lock, leaving, e):
 
 @compiled
 def smooth_triangles(points, corner, twin, lock, leaving, active, n_pass, good_enough):
-    """Guarded Laplacian moves of the active nodes, and flips between the passes; in place."""
-    for _ in range(n_pass):
+    """Guarded Laplacian moves of the active nodes, and flips after every second pass; in place."""
+    for number in range(n_pass):
         for i in range(len(active)):
             v = active[i]
             start = np.int64(leaving[v])
@@ -127,16 +127,21 @@ def smooth_triangles(points, corner, twin, lock, leaving, active, n_pass, good_e
                 continue
             x = points[v, 0]
             y = points[v, 1]
-            before = _worst_about(points, corner, twin, start, x, y)
+            before = 2.0  # not known yet: a move that is good enough needs no comparison
             to_x = total_x / n_neighbour
             to_y = total_y / n_neighbour
             for _attempt in range(3):
-                if _worst_about(points, corner, twin, start, to_x, to_y) >= min(before, good_enough):
+                worst = _worst_about(points, corner, twin, start, to_x, to_y)
+                if worst < good_enough and before == 2.0:
+                    before = _worst_about(points, corner, twin, start, x, y)
+                if worst >= min(before, good_enough):
                     points[v, 0] = to_x
                     points[v, 1] = to_y
                     break
                 to_x = 0.5 * (to_x + x)
                 to_y = 0.5 * (to_y + y)
+        if number % 2 == 0:
+            continue
         for i in range(len(active)):
             v = active[i]
             e = np.int64(leaving[v])
