@@ -11,7 +11,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -68,10 +68,12 @@ class Body:
 class Arrangement:
     """The ties, sorted out. bodies (those with an anchor too, be they of one node), pairs and notes are its result."""
 
-    def __init__(self, ties: Sequence[Tie], nodes: Array, has_rotations: NDArray[np.bool_], all_rigid: bool) -> None:
+    def __init__(
+        self, ties: Sequence[Tie], nodes: Array, has_rotations: NDArray[np.bool_], is_rigid: Callable[[Tie], bool]
+    ) -> None:
         self.nodes = nodes
         self.has_rotations = has_rotations
-        self.all_rigid = all_rigid
+        self.is_rigid = is_rigid
         self.notes: list[str] = []
         self.pairs: list[Pair] = []
         self._joined = Bodies()
@@ -156,11 +158,11 @@ class Arrangement:
             own = self._joined.find(average.node)
             free = [n not in dependents and self._joined.find(n) != own for n in average.patch.tolist()]
             patch = average.patch[np.array(free, dtype=bool)]
-            if not self.all_rigid and defines_rotation(self.nodes[patch]):
+            if not self.is_rigid(average.tie) and defines_rotation(self.nodes[patch]):
                 weights = average.weights[np.array(free, dtype=bool)]
                 self._averages[self._averages.index(average)] = replace(average, patch=patch, weights=weights)
                 continue
-            if not self.all_rigid and defines_rotation(self.nodes[average.patch]):
+            if not self.is_rigid(average.tie) and defines_rotation(self.nodes[average.patch]):
                 self.notes.append(f"{joint_of(average.tie)}: rigid, for most of its patch depends on another joint")
             self._make_rigid(average)
             changed = True

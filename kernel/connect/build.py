@@ -9,14 +9,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kernel.connect.couplings import make_couplings
+from kernel.connect.mass import block_moments
 from kernel.connect.model import Model, NamedSet, Property
 from kernel.csg.tree import CsgModel, walk
-from kernel.errors import DefectError
+from kernel.errors import DefectError, OptionError
 from kernel.materials import Material, choose_material
 from kernel.mesh.mesh import ElementBlock, Mesh
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Mapping, Sequence
 
     from kernel.idealise.members import Assembly
     from kernel.segment.segments import Segment
@@ -25,6 +26,8 @@ if TYPE_CHECKING:
 
 COORDINATE_DIGITS = 12
 """Digits, counted from the model's size, that a coordinate keeps: what a rotation's rounding adds is cut off."""
+
+MASSES = ("plain", "exact")
 
 _KINDS = {"beam": "beam", "plate": "shell", "cylinder_plate": "shell", "brick": "solid"}
 
@@ -37,23 +40,34 @@ def build_model(
     units: UnitSet,
     material: str | None = None,
     coupling: str = "distributing",
+    joint_couplings: Mapping[str, str] | None = None,
+    mass: str = "plain",
     title: str = "",
     rule_base: str = "",
 ) -> Model:
     """The model in the user's frame (`evaluated.frame` applied), every tie a coupling, every segment a property.
 
-    material: a named material or a file; None for what the model's text says, else steel.
-    OptionError: an unknown material or coupling. ConnectError: a tie that contradicts others.
+    material: a named material or one of the model's; None for what the model's text says, else steel.
+    joint_couplings: by joint id, where a joint's coupling is to differ from `coupling`.
+    mass: "exact" scales each segment's density so that its elements weigh what its solid does, corners that two
+    mid-surfaces both count included; "plain" leaves the density as it is.
+    OptionError: an unknown material, coupling, joint or mass. ConnectError: a tie that contradicts others.
     """
+    if mass not in MASSES:
+        raise OptionError(f"unknown mass {mass!r}, expected one of {', '.join(MASSES)}")
     chosen = choose_material(material, csg, units)
     mesh = _in_frame(assembly.mesh, np.asarray(evaluated.frame, dtype=np.float64))
-    coupled = make_couplings(assembly.ties, mesh, mesh.nodes, coupling, assembly.sections)
+    by_joint = _by_joint(joint_couplings or {}, assembly)
+    coupled = make_couplings(assembly.ties, mesh, mesh.nodes, coupling, assembly.sections, by_joint)
+    properties = tuple(_property(segment, assembly, chosen) for segment in assembly.segments)
+    if mass == "exact":
+        properties = _weighed(properties, assembly.segments, mesh)
     return Model(
         title=title,
         units=units.name,
         rule_base=rule_base,
         mesh=mesh,
-        properties=tuple(_property(segment, assembly, chosen) for segment in assembly.segments),
+        properties=properties,
         materials={chosen.name: chosen},
         couplings=coupled.couplings,
         sets=_sets(csg, assembly.segments, mesh),
@@ -93,6 +107,26 @@ def _property(segment: Segment, assembly: Assembly, material: Material) -> Prope
         thickness=segment.thickness if kind == "shell" else None,
         section=section if kind == "beam" else None,
     )
+
+
+def _weighed(properties: Sequence[Property], segments: Sequence[Segment], mesh: Mesh) -> tuple[Property, ...]:
+    """Density factors: the segment's true volume over its elements'."""
+    meshed = dict.fromkeys((segment.id for segment in segments), 0.0)
+    by_segment = {element.segment: element for element in properties}
+    for block in mesh.blocks:
+        meshed[block.segment] += block_moments(block, mesh.nodes, by_segment[block.segment], 1.0).mass
+    return tuple(
+        replace(element, density_factor=segment.volume / meshed[segment.id])
+        for element, segment in zip(properties, segments)
+    )
+
+
+def _by_joint(wanted: Mapping[str, str], assembly: Assembly) -> Mapping[str, str]:
+    known = [joint.id for joint in assembly.joints]
+    for joint in wanted:
+        if joint not in known:
+            raise OptionError(f"no joint {joint!r} in the model, expected one of {', '.join(known) or 'none'}")
+    return wanted
 
 
 def _sets(csg: CsgModel, segments: Sequence[Segment], mesh: Mesh) -> tuple[NamedSet, ...]:

@@ -35,7 +35,8 @@ class Checks:
     twice. chained: freedoms that depend on something and are independent elsewhere.
     cracks: mesh edges on shared curves that are not used as often as their faces say, with edges used once elsewhere.
     masses in the unit set's mass; centres (3,) and inertias (3, 3) in the user's frame, about each one's own centre.
-    ledger: double-counted corners (volumes). failures: one line for each check that does not hold.
+    ledger: double-counted corners (volumes); ledger_mass: their mass, 0 where densities are scaled to make up for it.
+    failures: one line for each check that does not hold.
     """
 
     components: int
@@ -118,7 +119,7 @@ def check_model(model: Model, assembly: Assembly, evaluated: Evaluated) -> Check
         cracks=edge_cracks(assembly.mesh, assembly.curve_uses),
         solid_mass=solid.mass,
         model_mass=meshed.mass,
-        ledger_mass=sum(row.volume for row in assembly.ledger) * density,
+        ledger_mass=0.0 if _is_weighed(model) else sum(row.volume for row in assembly.ledger) * density,
         solid_centre=solid.centre,
         model_centre=meshed.centre,
         solid_inertia=solid.inertia,
@@ -167,6 +168,11 @@ def _masses(model: Model, evaluated: Evaluated) -> tuple[Moments, Moments, float
     frame = np.asarray(evaluated.frame)
     solid = solid_moments(facets.vertices @ frame.T, facets.triangles, evaluated.solid.true_volume)
     return Moments(solid.mass * density, solid.centre, solid.second * density), meshed, density
+
+
+def _is_weighed(model: Model) -> bool:
+    """Densities are scaled, so that no corner weighs twice."""
+    return any(element.density_factor != 1 for element in model.properties)
 
 
 def _free_nodes(model: Model) -> int:

@@ -47,23 +47,32 @@ def make_couplings(
     nodes: Array,
     kind: str = "distributing",
     sections: Mapping[str, SectionProperties] | None = None,
+    by_joint: Mapping[str, str] | None = None,
 ) -> Coupled:
     """Couplings for the ties. nodes: (n_node, 3) in the frame of the model; sections: by segment, for "work".
 
+    by_joint: joint id -> kind, for joints that differ.
     OptionError: unknown kind. ConnectError: a tie that cannot be made consistent with the others, by its joint.
     """
-    if kind not in COUPLINGS:
-        raise OptionError(f"unknown coupling {kind!r}, expected one of {', '.join(COUPLINGS)}")
+    by_joint = by_joint or {}
+    for name in (kind, *by_joint.values()):
+        if name not in COUPLINGS:
+            raise OptionError(f"unknown coupling {name!r}, expected one of {', '.join(COUPLINGS)}")
+
+    def kind_of(tie: Tie) -> str:
+        return by_joint.get(tie.joint.id, kind) if tie.joint is not None else kind
+
     has_rotations = nodes_with_rotations(mesh)
-    arrangement = Arrangement(ties, nodes, has_rotations, all_rigid=kind == "rigid")
+    arrangement = Arrangement(ties, nodes, has_rotations, is_rigid=lambda tie: kind_of(tie) == "rigid")
     rigid = [coupling for body in arrangement.bodies if body.anchor is None for coupling in _rigid(body, has_rotations)]
-    on_average = [body for body in arrangement.bodies if isinstance(body.anchor, Average)]
+    on_average = [(body, body.anchor) for body in arrangement.bodies if isinstance(body.anchor, Average)]
+    by_work = [body for body, average in on_average if kind_of(average.tie) == "work"]
     table: dict[Freedom, Expression] = {}
     couplings: list[Coupling] = [*rigid]
-    if kind == "work":
-        table.update(_work(on_average, mesh, nodes, has_rotations, sections or {}))
-    else:
-        couplings += [coupling for body in on_average for coupling in _averaged(body, has_rotations)]
+    table.update(_work(by_work, mesh, nodes, has_rotations, sections or {}))
+    for body, average in on_average:
+        if kind_of(average.tie) == "distributing":
+            couplings += _averaged(body, average, has_rotations)
     for body in arrangement.bodies:
         if isinstance(body.anchor, Interpolation):
             table.update(_interpolated(body.anchor, nodes, has_rotations))
@@ -105,9 +114,7 @@ def _rigid(body: Body, has_rotations: NDArray[np.bool_]) -> list[Coupling]:
     return [Rbe2(body.head, nodes, components) for nodes, components in chosen if len(nodes)]
 
 
-def _averaged(body: Body, has_rotations: NDArray[np.bool_]) -> list[Coupling]:
-    average = body.anchor
-    assert isinstance(average, Average)
+def _averaged(body: Body, average: Average, has_rotations: NDArray[np.bool_]) -> list[Coupling]:
     return [
         Rbe3(node, average.patch, average.weights, "123456" if has_rotations[node] else "123") for node in body.members
     ]
@@ -121,7 +128,7 @@ def _work(
     sections: Mapping[str, SectionProperties],
 ) -> dict[Freedom, Expression]:
     """Equal work in the place of each average; the rest of the node's body follows it rigidly."""
-    frames = beam_frames(mesh, nodes, sections)
+    frames = beam_frames(mesh, nodes, sections) if bodies else {}
     warpings: dict[int, Warping] = {}
     table: dict[Freedom, Expression] = {}
     for body in bodies:
