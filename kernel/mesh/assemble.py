@@ -27,6 +27,7 @@ from kernel.mesh.faces import FaceMesh, SeededCurve, mesh_face, seed_curves
 from kernel.mesh.mesh import ElementBlock, Mesh
 from kernel.mesh.nodes import NodeTable
 from kernel.mesh.options import MeshOptions
+from kernel.mesh.second_order import raise_order
 from kernel.mesh.size_field import automatic_size
 from kernel.mesh.ties import Meshed, beam_stations, make_ties
 from kernel.segment.segments import Segment
@@ -70,7 +71,7 @@ def assemble(
     faces = _mesh_faces(parts, curves, sizes, options.faces, nodes, report)
     for name, face in faces.items():
         blocks[name] += _blocks(name, face)
-    bricks = mesh_bricks(parts, faces, sizes, options, nodes)
+    bricks = mesh_bricks(parts, curves, faces, sizes, options, nodes)
     for name, brick in bricks.items():
         blocks[name] += brick.blocks
     for joint in parts.joints:
@@ -80,11 +81,16 @@ def assemble(
         blocks[name].append(block)
     report("meshed", 0.9)
     ties = make_ties(Meshed(parts, curves, faces, bricks, seated, nodes.points))
+    mesh = Mesh(nodes.points, tuple(block for segment in segments for block in blocks[segment.id]))
+    if options.order == 2:
+        mesh, ties, drawn = raise_order(mesh, ties, parts, curves, faces, bricks)
+        if drawn:
+            parts.warnings.append(f"{drawn} mid-side nodes were drawn back from their curves: the elements are coarse")
     report("tied", 1.0)
     return Assembly(
         segments=tuple(segment for segment in segments if segment.id not in parts.absorbed),
         joints=tuple(joints),
-        mesh=Mesh(nodes.points, tuple(block for segment in segments for block in blocks[segment.id])),
+        mesh=mesh,
         sections={name: beam.section for name, beam in parts.beams.items()},
         ties=ties,
         ledger=volume_ledger(parts),

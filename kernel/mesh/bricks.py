@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
@@ -13,11 +12,14 @@ from numpy.typing import NDArray
 from kernel.errors import MeshError
 from kernel.idealise.brick import SweepGroup, SweptBrick
 from kernel.idealise.parts import Parts
+from kernel.idealise.walls import Wall
 from kernel.mesh.elements import ELEMENT_KINDS
-from kernel.mesh.faces import FaceMesh, SeededCurve, mesh_face, seed_curves
+from kernel.mesh.faces import FaceMesh, SeededCurve, curve_middles, mesh_face, seed_curves
 from kernel.mesh.mesh import ElementBlock
 from kernel.mesh.nodes import NodeTable
 from kernel.mesh.options import MeshOptions
+from kernel.mesh.region import RegionMesh
+from kernel.mesh.sweep import divide_levels, sweep
 from kernel.segment.segments import Segment
 
 Array = NDArray[np.float64]
@@ -39,15 +41,21 @@ class BrickMesh:
 
 def mesh_bricks(
     parts: Parts,
+    curves: Sequence[SeededCurve],
     faces: dict[str, FaceMesh],
     sizes: dict[str, float],
     options: MeshOptions,
     nodes: NodeTable,
 ) -> dict[str, BrickMesh]:
-    """Every brick's elements, by segment id. faces: of the walls, meshed already."""
+    """Every brick's elements, by segment id. curves, faces: of the walls, meshed already."""
     meshes: dict[str, BrickMesh] = {}
     for group in parts.sweeps:
-        meshes.update(_sweep_group(group, faces, sizes, options.faces, nodes))
+        size = min(sizes[brick.segment.id] for brick in group.bricks)
+        if group.host is None:
+            section = _own_section(group, size, options.faces)
+        else:
+            section = _host_section(parts, group.host[0], curves, faces[group.host[0].segment.id])
+        meshes.update(_sweep_group(group, section, size, nodes))
     for name, segment in parts.segments.items():
         if segment.type == "brick" and name not in meshes and name not in parts.absorbed:
             if options.volumes == "hex":
@@ -56,115 +64,123 @@ def mesh_bricks(
     return meshes
 
 
-def _sweep_group(
-    group: SweepGroup, faces: dict[str, FaceMesh], sizes: dict[str, float], kind: str, nodes: NodeTable
-) -> dict[str, BrickMesh]:
-    size = min(sizes[brick.segment.id] for brick in group.bricks)
-    section = _host_section(group, faces) if group.host is not None else _own_section(group, size, kind)
-    tolerance = 1e-9 * max(abs(brick.end) + abs(brick.start) for brick in group.bricks)
-    levels = _levels(group.bricks, size, tolerance)
-    numbers: dict[tuple[int, int], int] = {}
+# ---------------------------------------------------------------- sections
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Section:
+    """A meshed section in its sheet's frame. wall_nodes: (n,) the host wall's node at each point; empty without host.
+
+    edges: (e, 2) points on curves that are not straight, middles: (e, 3) places amid them, on the sheet.
+    """
+
+    mesh: RegionMesh
+    wall_nodes: Indices
+    edges: Indices
+    middles: Array
+
+
+def _section(face: FaceMesh, wall_nodes: Indices, edges: Indices, middles: Array) -> _Section:
+    order = np.argsort(face.nodes)
+
+    def local(numbers: Indices) -> Indices:
+        return order[np.searchsorted(face.nodes[order], numbers)]
+
+    mesh = RegionMesh(face.flat, local(face.quads), local(face.triangles))
+    return _Section(mesh, wall_nodes, local(edges), middles)
+
+
+def _own_section(group: SweepGroup, size: float, kind: str) -> _Section:
+    """The group's section meshed on its own curves; its nodes stay out of the model."""
+    assert group.topology is not None
+    flat = NodeTable()
+    curves = seed_curves(group.topology, group.topology.curves(), {0: size}, flat)
+    names = ", ".join(f"{brick.segment.id} ({brick.segment.node})" for brick in group.bricks)
+    face = mesh_face(names, 0, group.sheet, curves, size, kind, flat)
+    return _section(face, np.empty(0, np.int64), *curve_middles(group.topology, curves))
+
+
+def _host_section(parts: Parts, wall: Wall, curves: Sequence[SeededCurve], face: FaceMesh) -> _Section:
+    """The elements of the wall that the group stands on."""
+    own = [seeded for seeded in curves if wall.index in seeded.curve.uses]
+    return _section(face, face.nodes, *curve_middles(parts.topology, own))
+
+
+# ---------------------------------------------------------------- sweeping
+
+
+def _sweep_group(group: SweepGroup, section: _Section, size: float, nodes: NodeTable) -> dict[str, BrickMesh]:
+    """The bricks of a group; where they stand on one another they share nodes."""
+    levels = divide_levels([value for brick in group.bricks for value in (brick.start, brick.end)], size)
+    mesh = section.mesh
+    elements = [*mesh.quads, *mesh.triangles]
+    centres = np.array([mesh.points[element].mean(axis=0) for element in elements]).reshape(-1, 2)
+    layer = 0.5 * (levels[:-1] + levels[1:])
+    held = {}
+    for brick in group.bricks:
+        inside = shapely.contains_xy(brick.outline, centres[:, 0], centres[:, 1])
+        if not inside.any():
+            raise MeshError(f"{brick.segment.id} ({brick.segment.node}): its section holds no element")
+        held[brick.segment.id] = ((layer > brick.start) & (layer < brick.end))[:, None] & inside[None, :]
+    present = np.logical_or.reduce(list(held.values()))
+
+    def lift(flat: Array, level: float) -> Array:
+        return group.sheet.lift(flat) + group.sheet.normal * (level - group.sheet.offset)
+
+    points, hexes, wedges = sweep(mesh, lift, levels, present=present)
+    numbers = nodes.add(points)
+    at = np.full((len(levels), len(mesh.points)), -1, dtype=np.int64)
+    used = _used(present, elements, at.shape)
+    at[used] = numbers
+    n_quad = len(mesh.quads)
     meshes = {}
     for brick in group.bricks:
-        meshes[brick.segment.id] = _sweep_brick(group, brick, section, levels, numbers, nodes)
+        chosen = held[brick.segment.id]
+        blocks = []
+        for kind, swept, columns in (
+            ("hex8", hexes, slice(None, n_quad)),
+            ("wedge6", wedges, slice(n_quad, None)),
+        ):
+            own = swept[chosen[:, columns][present[:, columns]]]
+            if len(own):
+                blocks.append(ElementBlock(brick.segment.id, kind, numbers[own]))
+        reach = _used(chosen, elements, at.shape)
+        edges, middles = _level_middles(group, section, levels, np.where(reach, at, -1))
+        meshes[brick.segment.id] = BrickMesh(
+            tuple(blocks), _pairs(group, brick, section, levels, np.where(reach, at, -1)), edges, middles
+        )
     return meshes
 
 
-def _own_section(group: SweepGroup, size: float, kind: str) -> FaceMesh:
-    """The group's section meshed on its own curves; its nodes stay out of the model."""
-    assert group.topology is not None
-    assert group.face is not None
-    flat = NodeTable()
-    curves: list[SeededCurve] = seed_curves(group.topology, group.topology.curves(), {0: size}, flat)
-    names = ", ".join(f"{brick.segment.id} ({brick.segment.node})" for brick in group.bricks)
-    return mesh_face(names, 0, group.sheet, curves, size, kind, flat)
+def _used(present: NDArray[np.bool_], elements: Sequence[Indices], shape: tuple[int, int]) -> NDArray[np.bool_]:
+    """(n_level, n_point) True where a node of a present element stands."""
+    used = np.zeros(shape, dtype=bool)
+    for layer in range(len(present)):
+        chosen = [elements[place] for place in np.nonzero(present[layer])[0].tolist()]
+        if chosen:
+            points = np.unique(np.concatenate(chosen))
+            used[layer, points] = used[layer + 1, points] = True
+    return used
 
 
-def _host_section(group: SweepGroup, faces: dict[str, FaceMesh]) -> FaceMesh:
-    assert group.host is not None
-    return faces[group.host[0].segment.id]
+def _level_middles(group: SweepGroup, section: _Section, levels: Array, at: Indices) -> tuple[Indices, Array]:
+    """Edges of the swept bricks on curved sides, across the direction, and the places amid them."""
+    edges, middles = [np.empty((0, 2), np.int64)], [np.empty((0, 3))]
+    for level, offset in enumerate(levels):
+        pairs = at[level][section.edges]
+        there = (pairs >= 0).all(axis=1)
+        edges.append(pairs[there])
+        middles.append(section.middles[there] + group.sheet.normal * (offset - group.sheet.offset))
+    return np.concatenate(edges), np.concatenate(middles)
 
 
-def _levels(bricks: Sequence[SweptBrick], size: float, tolerance: float) -> Array:
-    """Offsets along the direction at which nodes lie: all starts and ends, and even parts between them."""
-    ends: list[float] = []
-    for value in sorted(value for brick in bricks for value in (brick.start, brick.end)):
-        if not ends or value - ends[-1] > tolerance:
-            ends.append(value)
-    parts = []
-    for start, end in itertools.pairwise(ends):
-        count = max(1, round((end - start) / size))
-        parts.append(start + (end - start) * np.arange(count) / count)
-    return np.concatenate([*parts, ends[-1:]])
-
-
-def _sweep_brick(
-    group: SweepGroup,
-    brick: SweptBrick,
-    section: FaceMesh,
-    levels: Array,
-    numbers: dict[tuple[int, int], int],
-    nodes: NodeTable,
-) -> BrickMesh:
-    """Elements between neighbouring levels over the section's elements inside the brick's outline."""
-    local = {int(number): place for place, number in enumerate(section.nodes)}
-    first = int(np.argmin(np.abs(levels - brick.start)))
-    last = int(np.argmin(np.abs(levels - brick.end)))
-    name = brick.segment.id
-    blocks = []
-    for kind, elements in (("hex8", section.quads), ("wedge6", section.triangles)):
-        if not len(elements):
-            continue
-        places = np.vectorize(local.__getitem__, otypes=[np.int64])(elements)
-        centres = section.flat[places].mean(axis=1)
-        chosen = places[shapely.contains_xy(brick.outline, centres[:, 0], centres[:, 1])]
-        if not len(chosen):
-            continue
-        layers = []
-        for level in range(first, last):
-            layer = [_level_nodes(group, section, chosen, at, levels, numbers, nodes) for at in (level, level + 1)]
-            layers.append(np.concatenate(layer, axis=1))
-        blocks.append(ElementBlock(name, kind, np.concatenate(layers)))
-    if not blocks:
-        raise MeshError(f"{name} ({brick.segment.node}): its section holds no element")
-    return BrickMesh(tuple(blocks), _pairs(group, brick, section, levels, numbers, local))
-
-
-def _level_nodes(
-    group: SweepGroup,
-    section: FaceMesh,
-    places: Indices,
-    level: int,
-    levels: Array,
-    numbers: dict[tuple[int, int], int],
-    nodes: NodeTable,
-) -> Indices:
-    """Node numbers (like places) on one level, those that are new added."""
-    wanted = np.unique(places)
-    new = [int(place) for place in wanted if (int(place), level) not in numbers]
-    if new:
-        points = group.sheet.lift(section.flat[new]) + group.sheet.normal * (levels[level] - group.sheet.offset)
-        for place, number in zip(new, nodes.add(points).tolist()):
-            numbers[(place, level)] = number
-    found = np.array([numbers[(int(place), level)] for place in wanted], dtype=np.int64)
-    return found[np.searchsorted(wanted, places)]
-
-
-def _pairs(
-    group: SweepGroup,
-    brick: SweptBrick,
-    section: FaceMesh,
-    levels: Array,
-    numbers: dict[tuple[int, int], int],
-    local: dict[int, int],
-) -> Indices:
+def _pairs(group: SweepGroup, brick: SweptBrick, section: _Section, levels: Array, at: Indices) -> Indices:
     """The brick's nodes on the host's face, each with the wall's node below or above it."""
     if group.host is None or brick.segment.id not in group.host[1].segments:
         return np.empty((0, 2), np.int64)
-    at = float(group.host[1].centre @ group.sheet.normal)
-    level = int(np.argmin(np.abs(levels - at)))
-    found = [(numbers[(place, level)], number) for number, place in local.items() if (place, level) in numbers]
-    return np.array(sorted(found), dtype=np.int64).reshape(-1, 2)
+    level = int(np.argmin(np.abs(levels - float(group.host[1].centre @ group.sheet.normal))))
+    points = np.nonzero(at[level] >= 0)[0]
+    return np.stack([at[level][points], section.wall_nodes[points]], axis=1)
 
 
 def _tetrahedra(segment: Segment, size: float, deadline: float, nodes: NodeTable) -> BrickMesh:

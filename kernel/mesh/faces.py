@@ -103,3 +103,16 @@ def mesh_face(
         quads=numbers[mesh.quads.reshape(-1, 4)],
         triangles=numbers[mesh.triangles.reshape(-1, 3)],
     )
+
+
+def curve_middles(topology: Topology, curves: Sequence[SeededCurve]) -> tuple[Indices, Array]:
+    """Edges (n, 2) on curves that are not straight, and the points (n, 3) of their curves amid them."""
+    edges, places = [np.empty((0, 2), np.int64)], [np.empty((0, 3))]
+    for seeded in curves:
+        if seeded.is_curved:
+            count = len(seeded.nodes) - 1
+            share = (np.arange(count) + 0.5) / count
+            curve = seeded.curve
+            edges.append(np.stack([seeded.nodes[:-1], seeded.nodes[1:]], axis=1))
+            places.append(topology.carrier(curve.carrier).at(curve.start + share * curve.length))
+    return np.concatenate(edges), np.concatenate(places)
