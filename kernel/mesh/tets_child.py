@@ -29,8 +29,22 @@ def limit(memory: int, deadline: float) -> None:
         resource.setrlimit(kind, (amount if hard == resource.RLIM_INFINITY else min(amount, hard), hard))
 
 
+def leave_pyvista_out() -> None:
+    """Let pytetwild 0.4 import where pyvista is not installed.
+
+    Its metadata calls pyvista optional, but its package imports it to register an accessor; an empty module has no
+    registry, which pytetwild takes as a version without accessors.
+    """
+    from importlib.util import find_spec
+    from types import ModuleType
+
+    if find_spec("pyvista") is None:
+        sys.modules["pyvista"] = ModuleType("pyvista")
+
+
 def main() -> None:
     """Read, mesh, write."""
+    leave_pyvista_out()
     limit(int(sys.argv[1]), float(sys.argv[2]))
     import numpy as np
     from pytetwild.pytetwild import tetrahedralize

@@ -452,8 +452,6 @@ def test_deep_groups_are_read_and_deep_booleans_refused():
     assert "Booleans nested too deeply, expected at most 250 inside each other" in error_of(flat)
 
 
-def test_ten_thousand_leaves_are_read_in_seconds():
+def test_ten_thousand_leaves_are_one_union():
     leaf = f"\t{SHIFT} {{\n\t\t{CYLINDER}\n\t}}\n"
-    started = time.perf_counter()
     assert len(root("union() {\n" + leaf * 10_000 + "}\n").children) == 10_000
-    assert time.perf_counter() - started < 10  # 1.7 s on a quiet core; the bound is for busy ones
