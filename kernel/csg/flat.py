@@ -17,6 +17,7 @@ import numpy as np
 
 from kernel.csg.outline import FINE_CIRCLE, circle_polygon, facets_of, ordered_loops
 from kernel.csg.placement import place, rotation, translation
+from kernel.csg.source import MAX_SLICES
 from kernel.csg.tree import (
     Block,
     Boolean,
@@ -336,13 +337,19 @@ def _in_space(matrix: Matrix) -> Matrix:
 def _slices(loops: tuple[Matrix, ...], how: Extrude) -> int:
     """Layers of a twisted extrusion: as written, else as OpenSCAD's get_helix_slices counts them."""
     if how.slices is not None:
-        return max(1, how.slices)
+        return how.slices
     twist = abs(how.twist)
     if twist == 0.0:
         return 1
-    fewest = max(1, math.ceil(twist / 120.0))
-    if how.fn > 0:
-        return max(fewest, math.ceil(twist / 360.0 * how.fn))
-    radius = max(float(np.linalg.norm(loop, axis=1).max()) for loop in loops)
-    arc = math.hypot(math.radians(twist) * radius, how.height)
-    return max(fewest, math.ceil(min(twist / how.fa, arc / how.fs)))
+    wanted = twist / 360.0 * how.fn
+    if how.fn <= 0:
+        radius = max(float(np.linalg.norm(loop, axis=1).max()) for loop in loops)
+        arc = math.hypot(math.radians(twist) * radius, how.height)
+        wanted = min(twist / how.fa, arc / how.fs)
+    wanted = max(wanted, twist / 120.0)
+    if wanted > MAX_SLICES:
+        raise ReadError(
+            f"linear_extrude's twist of {how.twist:g} degrees takes {wanted:.0f} slices, expected at most {MAX_SLICES}",
+            place=how.place,
+        )
+    return max(1, math.ceil(wanted))

@@ -14,7 +14,7 @@ from kernel.csg.limits import check_material
 from kernel.csg.outline import ordered_loops
 from kernel.csg.placement import mended_rigid, place
 from kernel.csg.polyhedra import closed_polyhedron
-from kernel.csg.source import MAX_TREE_DEPTH, did_you_mean, either
+from kernel.csg.source import MAX_SLICES, MAX_TREE_DEPTH, MIN_SIZE, did_you_mean, either, wrong_number
 from kernel.csg.tree import (
     BOOLEANS,
     IDENTITY,
@@ -76,7 +76,7 @@ class JsonReader:
         if "root" not in fields:
             raise self._error((), "has no 'root', expected the tree's root node")
         units = fields.get("units")
-        if units is not None and units not in UNIT_SETS:
+        if units is not None and (not isinstance(units, str) or units not in UNIT_SETS):
             raise self._error(("units",), f"is {_shown(units)}, expected {either(list(UNIT_SETS))}")
         materials = self._materials(fields.get("materials"))
         root = self._node(fields["root"], ("root",), IDENTITY, 0)
@@ -169,7 +169,7 @@ class JsonReader:
             height=self._positive(fields, path, "height"),
             twist=self._number(fields.get("twist", 0.0), (*path, "twist")),
             scale=(scale[0], scale[1]),
-            slices=self._whole(fields.get("slices", 1), (*path, "slices"), (1, 100_000)),
+            slices=self._whole(fields.get("slices", 1), (*path, "slices"), (1, MAX_SLICES)),
         )
 
     def _revolution(self, fields: dict[str, Any], path: Path) -> Primitive:
@@ -179,7 +179,7 @@ class JsonReader:
         angle = self._number(fields.get("angle", 360.0), (*path, "angle"))
         if not 0 < angle <= 360:
             raise self._error((*path, "angle"), f"is {angle:g}, expected a number over 0 and up to 360")
-        facets = self._whole(fields.get("facets", 0), (*path, "facets"), (0, 100_000))
+        facets = self._whole(fields.get("facets", 0), (*path, "facets"), (0, MAX_SLICES))
         if facets in (1, 2):
             raise self._error((*path, "facets"), f"is {facets}, expected 0, or 3 or more")
         return Revolution(loops=loops, angle=angle, facets=facets)
@@ -235,7 +235,7 @@ class JsonReader:
     def _size(self, fields: dict[str, Any], path: Path) -> tuple[float, float, float]:
         here = (*path, "size")
         x, y, z = self._numbers(self._given(fields, path, "size"), here, 3)
-        if min(x, y, z) <= 0:
+        if min(x, y, z) < MIN_SIZE:
             raise self._error(here, f"is {_shown([x, y, z])}, expected three numbers over 0")
         return x, y, z
 
@@ -246,8 +246,9 @@ class JsonReader:
 
     def _positive(self, fields: dict[str, Any], path: Path, key: str) -> float:
         number = self._number(self._given(fields, path, key), (*path, key))
-        if number <= 0:
-            raise self._error((*path, key), f"is {number:g}, expected a number over 0")
+        expected = wrong_number(number, positive=True)
+        if expected:
+            raise self._error((*path, key), f"is {number:g}, expected {expected}")
         return number
 
     def _at_least_zero(self, fields: dict[str, Any], path: Path, key: str) -> float:
@@ -268,8 +269,9 @@ class JsonReader:
             number = float(value)
         except OverflowError:
             number = math.inf
-        if not math.isfinite(number):
-            raise self._error(path, f"is {number}, expected a finite number")
+        expected = wrong_number(number)
+        if expected:
+            raise self._error(path, f"is {number:g}, expected {expected}")
         return number
 
     def _whole(self, value: Any, path: Path, limits: tuple[int, int]) -> int:

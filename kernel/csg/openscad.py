@@ -13,7 +13,7 @@ from kernel.csg.leaves import FLAT_LEAVES, SOLID_LEAVES
 from kernel.csg.limits import check_tree
 from kernel.csg.parameters import Parameters
 from kernel.csg.placement import mended, rotation
-from kernel.csg.source import MAX_NODES, MAX_TREE_DEPTH, did_you_mean
+from kernel.csg.source import MAX_NODES, MAX_NUMBER, MAX_TREE_DEPTH, did_you_mean
 from kernel.csg.statements import Statement, parse_statements
 from kernel.csg.tree import Block, Boolean, Cone, CsgModel, CsgNode, Cylinder, Hull, Matrix, Sphere, Wedge
 from kernel.errors import ReadError
@@ -191,7 +191,7 @@ class _Builder:
         factors: tuple[float, float] = (1.0, 1.0)
         if scale is not None:
             entries = scale if isinstance(scale, list) else [scale, scale]
-            if len(entries) != 2 or not all(type(entry) is float and 0 <= entry < np.inf for entry in entries):
+            if len(entries) != 2 or not all(type(entry) is float and 0 <= entry <= MAX_NUMBER for entry in entries):
                 raise given.wrong("scale", "two finite numbers of 0 or more")
             factors = (float(entries[0]), float(entries[1]))
             if (factors[0] == 0) != (factors[1] == 0):
@@ -203,7 +203,7 @@ class _Builder:
             center=given.flag("center"),
             twist=given.number("twist", 0.0),
             scale=factors,
-            slices=int(given.positive("slices")) if given.has("slices") else None,
+            slices=given.slices(),
             fn=given.number("$fn", 0.0),
             fa=given.positive("$fa", 12.0),
             fs=given.positive("$fs", 2.0),

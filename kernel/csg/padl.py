@@ -9,7 +9,7 @@ from kernel.csg import padl_syntax as syntax
 from kernel.csg.limits import check_material, check_tree
 from kernel.csg.padl_numbers import CONSTANTS, FUNCTIONS, combine
 from kernel.csg.padl_solids import MOVES, SHAPES, PadlSolid, boolean
-from kernel.csg.source import MAX_NODES, MAX_TREE_DEPTH, did_you_mean, either
+from kernel.csg.source import MAX_NODES, MAX_TREE_DEPTH, did_you_mean, either, wrong_number
 from kernel.csg.tree import IDENTITY, CsgModel
 from kernel.errors import Place, ReadError
 from kernel.units import UNIT_SETS
@@ -211,9 +211,11 @@ class _Reader:
             if key in values:
                 raise self._error(argument.here, f"{name} has its parameter {key!r} twice, expected it once")
             value = self._number(argument.value)
-            if value < 0 or (value == 0 and key not in shape.may_be_zero):
-                least = "of 0 or more" if key in shape.may_be_zero else "over 0"
-                raise self._error(argument.here, f"{name}'s {key} is {value:g}, expected a number {least}")
+            may_be_zero = key in shape.may_be_zero
+            expected = wrong_number(value, positive=not (may_be_zero and value == 0))
+            if expected:
+                expected = "a number of 0 or more" if may_be_zero and value < 0 else expected
+                raise self._error(argument.here, f"{name}'s {key} is {value:g}, expected {expected}")
             values[key], places[key] = value, argument.here
         missing = [key for key in shape.keys if key not in values]
         if missing:
@@ -239,7 +241,11 @@ class _Reader:
                     f"AT has {found}, expected {either([f'{key}=' for key in MOVES])}"
                     f"{did_you_mean(move.key or '', MOVES)}",
                 )
-            value = value.moved(MOVES[move.key](self._number(move.value)))
+            amount = self._number(move.value)
+            expected = wrong_number(amount)
+            if expected:
+                raise self._error(move.here, f"{move.key} is {amount:g}, expected {expected}")
+            value = value.moved(MOVES[move.key](amount))
         return value
 
     def _bounded(self, solid: PadlSolid) -> PadlSolid:

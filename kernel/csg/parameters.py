@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from kernel.csg.source import did_you_mean, either
+from kernel.csg.source import MAX_NUMBER, MAX_SLICES, did_you_mean, either, wrong_number
 from kernel.csg.statements import Argument, Statement, Value
 from kernel.csg.tree import Matrix
 from kernel.errors import Place, ReadError
@@ -72,15 +72,20 @@ class Parameters:
         if not self.has(name) and default is not None:
             return default
         value = self.value(name)
-        if type(value) is not float or not math.isfinite(value):
+        if type(value) is not float:
             raise self.wrong(name, "a finite number")
+        self._check(name, value, positive=False)
         return value
+
+    def _check(self, name: str, value: float, *, positive: bool) -> None:
+        expected = wrong_number(value, positive=positive)
+        if expected:
+            raise self.wrong(name, expected)
 
     def positive(self, name: str, default: float | None = None) -> float:
         """A finite number over 0."""
         value = self.number(name, default)
-        if value <= 0:
-            raise self.wrong(name, "a number over 0")
+        self._check(name, value, positive=True)
         return value
 
     def flag(self, name: str) -> bool:
@@ -97,8 +102,10 @@ class Parameters:
             return (1.0,) * count
         if type(value) is float:
             value = [value] * count
-        if not _is_numbers(value, (count,)) or not all(entry > 0 for entry in value):
+        if not _is_numbers(value, count) or not all(entry > 0 for entry in value):
             raise self.wrong(name, f"{count} finite numbers over 0")
+        for entry in value:
+            self._check(name, entry, positive=True)
         return tuple(value)
 
     def points(self, name: str, dimension: int) -> Matrix:
@@ -107,9 +114,10 @@ class Parameters:
         if not isinstance(value, list) or not value:
             raise self.wrong(name, f"a list of points [{', '.join('xyz'[:dimension])}]")
         for index, point in enumerate(value):
-            if not _is_numbers(point, (dimension,)):
+            if not _is_numbers(point, dimension) or any(map(wrong_number, point)):
                 raise self.error(
-                    f"{self.statement.name}'s point {index} is {shown(point)}, expected {dimension} finite numbers",
+                    f"{self.statement.name}'s point {index} is {shown(point)}, expected {dimension} finite numbers"
+                    f"{_limit(point)}",
                     self._arguments[name],
                 )
         return np.array(value, dtype=np.float64)
@@ -124,7 +132,7 @@ class Parameters:
             if not isinstance(indices, list) or len(indices) < 3:
                 raise self.wrong_entry(name, number, indices, "a list of three point numbers or more")
             for index in indices:
-                if type(index) is not float or index != int(index) or not 0 <= index < n_point:
+                if type(index) is not float or not 0 <= index < n_point or index != int(index):
                     raise self.wrong_entry(name, number, index, f"point numbers from 0 to {n_point - 1}")
             result.append([int(index) for index in indices])
         return result
@@ -136,24 +144,42 @@ class Parameters:
             self._arguments[name],
         )
 
+    def slices(self) -> int | None:
+        """A whole number of layers, None where not given."""
+        if not self.has("slices"):
+            return None
+        value = self.number("slices")
+        if not 1 <= value <= MAX_SLICES:
+            raise self.wrong("slices", f"a whole number from 1 to {MAX_SLICES}")
+        return int(value)
+
     def matrix(self) -> list[list[float]]:
         """The (4, 4) of a multmatrix; its last row is 0 0 0 1."""
         value = self.value("m")
         if isinstance(value, list) and len(value) == 3:
             value = [*value, [0.0, 0.0, 0.0, 1.0]]
-        if not isinstance(value, list) or len(value) != 4 or not all(_is_numbers(row, (4,)) for row in value):
+        if not isinstance(value, list) or len(value) != 4 or not all(_is_numbers(row, 4) for row in value):
             raise self.wrong("m", "four rows of four finite numbers")
+        if any(wrong_number(entry) for row in value for entry in row):
+            raise self.wrong("m", f"four rows of four finite numbers{_limit(value[0] + value[1] + value[2])}")
         if value[3] != [0.0, 0.0, 0.0, 1.0]:
             raise self.error(f"multmatrix's last row is {shown(value[3])}, expected [0, 0, 0, 1]")
         return value
 
 
-def _is_numbers(value: Value, lengths: tuple[int, ...]) -> bool:
+def _is_numbers(value: Value, length: int) -> bool:
     return (
         isinstance(value, list)
-        and len(value) in lengths
+        and len(value) == length
         and all(type(entry) is float and math.isfinite(entry) for entry in value)
     )
+
+
+def _limit(value: Value) -> str:
+    """` up to 1e12` where a finite entry is over that."""
+    entries = value if isinstance(value, list) else [value]
+    is_large = any(type(entry) is float and MAX_NUMBER < abs(entry) < math.inf for entry in entries)
+    return f" up to {MAX_NUMBER:g}" if is_large else ""
 
 
 def shown(value: Value) -> str:

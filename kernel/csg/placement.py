@@ -16,6 +16,7 @@ from typing import TypeVar
 
 import numpy as np
 
+from kernel.csg.source import MAX_NUMBER, MIN_SIZE
 from kernel.csg.tree import (
     Block,
     Cone,
@@ -30,6 +31,7 @@ from kernel.csg.tree import (
     Wedge,
     frozen_array,
 )
+from kernel.errors import ReadError
 from kernel.units import RIGID_TOLERANCE
 
 AnyPrimitive = TypeVar("AnyPrimitive", bound=Primitive)
@@ -158,9 +160,16 @@ def _recognised(unit: Matrix, entries: tuple[float, ...]) -> Matrix:
 def place(primitive: AnyPrimitive, matrix: Matrix) -> Primitive:
     """`primitive` moved by `matrix` on top of its own placement, scale and mirror taken into it where they can be.
 
-    matrix: (4, 4), affine, its determinant not 0.
+    matrix: (4, 4), affine, its determinant not 0. ReadError: it is too large or too small to compute with.
     """
     placement = np.array(matrix @ primitive.placement)
+    size = np.abs(placement).max()
+    if not size <= MAX_NUMBER or np.linalg.norm(placement[:3, :3], axis=0).min() < MIN_SIZE:
+        raise ReadError(
+            f"placements scale or move the {primitive.kind} out of all bounds, "
+            f"expected factors of {MIN_SIZE:g} to {MAX_NUMBER:g} and shifts up to {MAX_NUMBER:g} in all",
+            place=primitive.place,
+        )
     factors, mirrored = _shape_of(placement[:3, :3].tobytes())
     moved: Primitive = primitive
     if factors is not None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import difflib
+import math
 import re
 from collections.abc import Iterable, Mapping
 from typing import NoReturn
@@ -24,6 +25,15 @@ MAX_TREE_DEPTH = 250
 
 MAX_NODES = 200_000
 """Nodes in a tree, every use of a re-used name counted."""
+
+MAX_NUMBER = 1e12
+"""Of any length, angle or factor: products of a few such numbers still are finite."""
+
+MIN_SIZE = 1e-12
+"""Of any length that must be over 0."""
+
+MAX_SLICES = 10_000
+"""Layers of a twisted extrusion."""
 
 _CLOSING = {"{": "}", "(": ")", "[": "]"}
 _MAX_EXPECTED = 4
@@ -78,6 +88,19 @@ def did_you_mean(name: str, known: Iterable[str]) -> str:
     return f", did you mean {by_lower[near[0]]!r}?" if near else ""
 
 
+def wrong_number(value: float, *, positive: bool = False) -> str | None:
+    """What a number should have been, None where it can be one: finite, not too large, over 0 where that is asked."""
+    if not math.isfinite(value):
+        return "a finite number"
+    if abs(value) > MAX_NUMBER:
+        return f"a number up to {MAX_NUMBER:g}"
+    if positive and value <= 0:
+        return "a number over 0"
+    if positive and value < MIN_SIZE:
+        return f"a number of {MIN_SIZE:g} or more"
+    return None
+
+
 def either(words: list[str]) -> str:
     """`a`, `a or b`, `a, b or c`."""
     return words[0] if len(words) == 1 else f"{', '.join(words[:-1])} or {words[-1]}"
@@ -125,4 +148,5 @@ def _accepted(parser: Lark, text: str) -> set[str]:
 def _shown(terminal: str, value: str, words: Mapping[str, str]) -> str:
     if terminal in words:
         return words[terminal]
+    value = value.strip()
     return repr(value if len(value) <= 30 else value[:27] + "...")

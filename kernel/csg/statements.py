@@ -20,16 +20,16 @@ _BRACKETS = re.compile(r'//[^\n]*|/\*.*?\*/|"(?:\\.|[^"\\])*"|[{}()\[\]]', re.DO
 _WORDS = {"true": True, "false": False, "undef": None}
 
 TERMINALS = {
-    "SEMICOLON": "';'",
-    "LBRACE": "'{'",
-    "RBRACE": "'}'",
-    "LPAR": "'('",
-    "RPAR": "')'",
-    "COMMA": "','",
-    "RSQB": "']'",
+    "_SEMICOLON": "';'",
+    "_BEGIN": "'{'",
+    "_END": "'}'",
+    "_OPEN": "'('",
+    "_CLOSE": "')'",
+    "_COMMA": "','",
+    "_LAST": "']'",
     "NUMBER": "a number",
     "VECTOR": "a list '[...]'",
-    "LSQB": "a list '[...]'",
+    "_FIRST": "a list '[...]'",
     "KEY": "a parameter 'name ='",
     "WORD": "true, false or undef",
     "NAME": "a name such as cube or union",
@@ -106,7 +106,7 @@ class _ToStatements(Transformer):
     def argument(self, items: list[Any]) -> Argument:
         first = items[0]
         if len(items) == 2:
-            return Argument(first[:-1].rstrip(), _plain(items[1]), first.line or 0, first.column or 0)
+            return Argument(first.rstrip()[:-1].rstrip(), _plain(items[1]), first.line or 0, first.column or 0)
         if type(first) is Token:
             return Argument(None, _plain(first), first.line or 0, first.column or 0)
         return Argument(None, first, 0, 0)
