@@ -80,6 +80,10 @@ def mesh(
     override: OverrideOption = None,
     material: Annotated[str | None, typer.Option(metavar="NAME|FILE", help="Material of every segment.")] = None,
     coupling: Annotated[str, typer.Option(help="distributing, rigid, work.")] = "distributing",
+    joint: Annotated[
+        list[str] | None, typer.Option(metavar="JOINT=COUPLING", help="Coupling of one joint, as j3=rigid.")
+    ] = None,
+    mass: Annotated[str, typer.Option(help="plain, or exact: densities scaled to the solid's mass.")] = "plain",
     report: Annotated[str | None, typer.Option(metavar="FILE.html", help="Write a report with pictures too.")] = None,
     as_json: JsonOption = False,
 ) -> None:
@@ -87,6 +91,7 @@ def mesh(
     from app import pipeline
     from app.materialfile import with_material
     from app.progress import progress_bar
+    from kernel.connect.build import MASSES
     from kernel.connect.couplings import COUPLINGS
     from kernel.deck.deck import format_for
     from kernel.materials import choose_material
@@ -99,15 +104,27 @@ def mesh(
     for path in outputs:
         check_writable(path)
     format_for(output, deck_format)
-    if coupling not in COUPLINGS:
-        raise OptionError(f"unknown coupling {coupling!r}, expected one of {', '.join(COUPLINGS)}")
+    by_joint = _joint_couplings(joint)
+    for name in (coupling, *by_joint.values()):
+        if name not in COUPLINGS:
+            raise OptionError(f"unknown coupling {name!r}, expected one of {', '.join(COUPLINGS)}")
+    if mass not in MASSES:
+        raise OptionError(f"unknown mass {mass!r}, expected one of {', '.join(MASSES)}")
     options = MeshOptions(size=size, order=order, faces=faces, volumes=volumes)
     pinned = _overrides(override)
     csg, material = with_material(pipeline.read(model), material)
     choose_material(material, csg, unit_set(units or csg.units or "mm"))
     with progress_bar() as progress:
         classified = pipeline.classify(csg, overrides=pinned, rules=rules, units=units, progress=progress)
-        meshed = pipeline.mesh(classified, options, material=material, coupling=coupling, progress=progress)
+        meshed = pipeline.mesh(
+            classified,
+            options,
+            material=material,
+            coupling=coupling,
+            joint_couplings=by_joint,
+            mass=mass,
+            progress=progress,
+        )
         contents = {output: pipeline.write_deck(meshed, output, deck_format)}
         if report is not None:
             from app.report.page import report_page
@@ -306,3 +323,16 @@ def _overrides(texts_given: list[str] | None) -> dict[str, Override]:
             raise OptionError(f"--override {text!r}: node {node} is overridden twice, expected once")
         overrides[node] = Override(kind, author="command line")
     return overrides
+
+
+def _joint_couplings(texts_given: list[str] | None) -> dict[str, str]:
+    """JOINT=COUPLING by joint; OptionError where one is written otherwise or a joint stands twice."""
+    couplings: dict[str, str] = {}
+    for text in texts_given or []:
+        joint, equals, kind = text.partition("=")
+        if not equals or not joint or not kind:
+            raise OptionError(f"--joint {text!r}: expected JOINT=COUPLING, such as j3=rigid")
+        if joint in couplings:
+            raise OptionError(f"--joint {text!r}: joint {joint} is given twice, expected once")
+        couplings[joint] = kind
+    return couplings

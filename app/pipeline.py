@@ -111,12 +111,16 @@ def mesh(
     *,
     material: str | None = None,
     coupling: str = "distributing",
+    joint_couplings: Mapping[str, str] | None = None,
+    mass: str = "plain",
     progress: Progress | None = None,
 ) -> Meshed:
     """Idealise and mesh the segments on shared curves, couple them, and check the connected model.
 
     material: a named material for every segment, None for what the model's MATERIAL says, else steel.
     coupling: "distributing" (RBE3), "rigid" (RBE2) or "work" (equations), where dimensions change.
+    joint_couplings: by joint id, where one is to differ. mass: "plain", or "exact" to scale densities so that every
+    segment weighs what its solid does.
     """
     from kernel.connect.build import build_model
     from kernel.connect.checks import check_model
@@ -138,6 +142,8 @@ def mesh(
             units=classified.units,
             material=material,
             coupling=coupling,
+            joint_couplings=joint_couplings,
+            mass=mass,
             title=Path(csg.source).name,  # a deck does not depend on the folder that its model lies in
             rule_base=f"{classified.rule_base.name} {classified.rule_base.version}",
         )
