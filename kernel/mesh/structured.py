@@ -170,22 +170,23 @@ def _sides(ring: Grid, corners: Grid) -> list[Grid]:
 
 
 def _fill_triangle(blocks: _Blocks, sides: list[Grid]) -> bool:
-    """Three blocks about a middle node, their sides p, q and r edges long; False where the sides' counts forbid it."""
+    """Three blocks about a middle node; False where the sides' counts forbid it.
+
+    ahead[k]: edges of side k up to its cut, which are as many as the spoke of side k - 1 has.
+    """
     a, b, c = (len(side) - 1 for side in sides)
     if (a + b + c) % 2:
         return False
-    p, q, r = (c + a - b) // 2, (a + b - c) // 2, (b + c - a) // 2  # edges next to each corner
-    if min(p, q, r) < 1:
+    ahead = ((a + b - c) // 2, (b + c - a) // 2, (c + a - b) // 2)
+    if min(ahead) < 1:
         return False
     points = np.concatenate(blocks.points)
-    cuts = [side[n] for side, n in zip(sides, (p, q, r))]
+    cuts = [side[n] for side, n in zip(sides, ahead)]
     centre = int(blocks.add(points[cuts].mean(axis=0)[None])[0])
-    spokes = [blocks.line(int(cut), centre, n) for cut, n in zip(cuts, (r, p, q))]
-    counts = (p, q, r)
+    spokes = [blocks.line(int(cuts[k]), centre, ahead[(k + 1) % 3]) for k in range(3)]
     for k in range(3):
-        ahead, behind = sides[k], sides[k - 1]
-        # corner k: along `ahead` to its cut, up that spoke to the centre, back down the other spoke, along `behind`
-        blocks.fill(ahead[: counts[k] + 1], spokes[k], spokes[k - 1], behind[counts[k - 1] :][::-1])
+        behind = sides[k - 1][ahead[k - 1] :][::-1]
+        blocks.fill(sides[k][: ahead[k] + 1], spokes[k], spokes[k - 1], behind)
     return True
 
 
