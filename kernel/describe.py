@@ -15,7 +15,7 @@ import shapely
 
 from kernel.facts import Facts, Value
 from kernel.segment.operands import leaf_count, operand_at, operands_of, tools_of
-from kernel.segment.slices import smallest_rectangle
+from kernel.segment.slices import outline_points, smallest_rectangle
 from kernel.segment.supports import free_length
 from kernel.solid.surfaces import plane_frame
 
@@ -101,7 +101,7 @@ def extents(piece: Piece) -> dict[str, Value]:
 
 def own_box(piece: Piece) -> tuple[float, float, float]:
     """Sides of the smallest box that stands square to one of the solid's own directions, longest first."""
-    vertices = piece.solid.facets.vertices
+    vertices = outline_points(piece.solid)
     best: tuple[float, float, float] | None = None
     for sweep in piece.sweeps:
         u, v, _ = plane_frame(sweep.direction)

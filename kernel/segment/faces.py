@@ -78,17 +78,18 @@ def faces_of(solid: Solid) -> Faces:
 def _sides(facets: Facets, surfaces: list) -> NDArray[np.int64]:
     """(m,) +1, -1, or 0 for triangles that are on no plane and no cylinder."""
     sides = np.zeros(len(facets.triangles), np.int64)
-    for index in np.unique(facets.surface):
+    order = np.argsort(facets.surface, kind="stable")
+    ids, first = np.unique(facets.surface[order], return_index=True)
+    for index, own in zip(ids, np.split(order, first[1:])):
         surface = surfaces[index]
-        mask = facets.surface == index
         if isinstance(surface, Plane):
-            outward = facets.normals[mask] @ surface.normal
+            outward = facets.normals[own] @ surface.normal
         elif isinstance(surface, CylinderSurface):
-            arm = facets.centroids[mask] - surface.axis.point
-            outward = np.einsum("ij,ij->i", arm, facets.normals[mask])
+            arm = facets.centroids[own] - surface.axis.point
+            outward = np.einsum("ij,ij->i", arm, facets.normals[own])
         else:
             continue
-        sides[mask] = np.where(outward > 0.0, 1, -1)
+        sides[own] = np.where(outward > 0.0, 1, -1)
     return sides
 
 

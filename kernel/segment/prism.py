@@ -13,7 +13,7 @@ import shapely
 from numpy.typing import NDArray
 from shapely import MultiPolygon, Polygon
 
-from kernel.segment.slices import slice_polygon, smallest_rectangle
+from kernel.segment.slices import outline_points, slice_loops, slice_polygon, smallest_rectangle
 from kernel.solid.surfaces import ConeSurface, CylinderSurface, Plane, TorusSurface, plane_frame
 from kernel.units import ANGLE_TOLERANCE, MODEL_TOLERANCE
 
@@ -162,7 +162,8 @@ def _revolved(solid: Solid) -> list[CylinderSurface | ConeSurface | TorusSurface
 def sweep_along(solid: Solid, direction: Vector) -> Sweep:
     """The solid as a sweep along one direction, exact or not."""
     facets = solid.facets
-    along = facets.vertices @ direction
+    points = outline_points(solid)
+    along = points @ direction
     start, end = float(along.min()), float(along.max())
     tilt = np.abs(facets.normals @ direction)
     at = facets.centroids @ direction
@@ -171,7 +172,7 @@ def sweep_along(solid: Solid, direction: Vector) -> Sweep:
     fits = (tilt < PARALLEL) | ((tilt > 1.0 - PARALLEL) & at_end)
     is_exact = float(facets.areas[~fits].sum()) <= CAP_SHARE * float(facets.areas.sum())
     u, v, _ = plane_frame(direction)
-    outline = shapely.multipoints(facets.vertices @ np.stack([u, v], axis=1))
+    outline = shapely.multipoints(points @ np.stack([u, v], axis=1))
     across, _ = smallest_rectangle(outline)
     return Sweep(direction, start, end, is_exact, (end - start) / max(across, 1e-300))
 
@@ -209,12 +210,22 @@ def best_prism(solid: Solid, found: tuple[Sweep, ...]) -> Prism | None:
     Exact directions come before inexact ones of the same slenderness; an inexact direction is passed over where
     more than half of its sections are off and an exact one is left (the diagonal of an L is no axis).
     """
-    best: Prism | None = None
+    passed_over: list[Sweep] = []
     for sweep in found:
-        prism = measure(solid, sweep)
-        if prism is None:
+        if not sweep.is_exact and _is_uneven(solid, sweep):
+            passed_over.append(sweep)
             continue
-        if sweep.is_exact or prism.sections_off <= SECTION_COUNT // 2:
+        prism = measure(solid, sweep)
+        if prism is not None and (sweep.is_exact or prism.sections_off <= SECTION_COUNT // 2):
             return prism
-        best = best or prism
-    return best
+        passed_over.append(sweep)
+    return next((prism for sweep in passed_over if (prism := measure(solid, sweep)) is not None), None)
+
+
+def _is_uneven(solid: Solid, sweep: Sweep) -> bool:
+    """Whether the areas alone show that more than half of the sections are off: cheaper than their outlines."""
+    u, v, _ = plane_frame(sweep.direction)
+    offsets = [sweep.start + (k + 0.5) / SECTION_COUNT * sweep.length for k in range(SECTION_COUNT)]
+    areas = np.array([slice_loops(solid.facets, sweep.direction, offset, u, v).sum() for offset in offsets])
+    median = float(np.median(areas))
+    return bool((np.abs(areas - median) > SECTION_OFF * median).sum() > SECTION_COUNT // 2)

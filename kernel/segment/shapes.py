@@ -12,12 +12,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import shapely
-from shapely import Polygon
 
 from kernel.segment.faces import Region, closes, faces_of, periodic_holes
 from kernel.segment.prism import Prism, sweeps
 from kernel.segment.segments import BeamShape, BrickShape, CylinderShape, PlateShape, Shape
-from kernel.segment.slices import parts_of, slice_polygon
+from kernel.segment.slices import parts_of, slice_loops, slice_polygon
 from kernel.segment.walls import PlaneWall, TubeWall, Wall
 from kernel.solid.section import section
 from kernel.solid.surfaces import CylinderSurface
@@ -176,9 +175,8 @@ def wall_holes(wall: Wall, solid: Solid) -> int:
     """Inner boundary loops of the wall's domain: of the mid-section, or of the unrolled faces."""
     if isinstance(wall, PlaneWall):
         smallest = SMALLEST_HOLE * wall.thickness**2
-        return sum(
-            Polygon(ring).area > smallest for part in parts_of(_mid_section(wall, solid)) for ring in part.interiors
-        )
+        loops = slice_loops(solid.facets, wall.normal, 0.5 * (wall.bottom + wall.top), wall.u, wall.v)
+        return int((loops < -smallest).sum())
     smallest = SMALLEST_HOLE * (wall.thickness / wall.mid_radius) ** 2 * wall.mid_radius
     return sum(hole.area > smallest for hole in periodic_holes(_unrolled(wall, solid)))
 

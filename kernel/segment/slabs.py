@@ -17,7 +17,7 @@ import shapely
 from shapely import Polygon, STRtree
 
 from kernel.segment.faces import Region, faces_of
-from kernel.segment.slices import parts_of, slice_polygon
+from kernel.segment.slices import parts_of, slice_loops, slice_polygon
 from kernel.segment.walls import LARGE_HOLE, PlaneWall, TubeWall, Wall, find_walls
 from kernel.solid.solid import half_space_cut, intersect, prism, subtract, tube, unite
 from kernel.solid.surfaces import PlaneFrame
@@ -107,12 +107,12 @@ def _plane_slab(solid: Solid, wall: PlaneWall, walls: tuple[Wall, ...]) -> Solid
         slab = half_space_cut(slab, wall.normal, wall.bottom)
     if along.max() > wall.top + tolerance:
         slab = half_space_cut(slab, -wall.normal, -wall.top)
+    half_way = 0.5 * (wall.bottom + wall.top)
     if slab is solid:
-        middle = slice_polygon(solid.facets, wall.normal, 0.5 * (wall.bottom + wall.top), wall.u, wall.v)
-        if wall.paired.area >= COVER * middle.area:
+        area = float(slice_loops(solid.facets, wall.normal, half_way, wall.u, wall.v).sum())
+        if wall.paired.area >= COVER * area:
             return solid
-    else:
-        middle = slice_polygon(slab.facets, wall.normal, 0.5 * (wall.bottom + wall.top), wall.u, wall.v)
+    middle = slice_polygon(slab.facets, wall.normal, half_way, wall.u, wall.v)
     if wall.paired.intersection(middle).area < COVER * wall.area:
         return None
     own = _grown(_filled(solid, wall, walls, middle), wall, walls)

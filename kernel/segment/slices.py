@@ -7,6 +7,7 @@ A vertex exactly in the plane counts as above it, so a plane through a face give
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
+from weakref import WeakKeyDictionary
 
 import numpy as np
 import shapely
@@ -16,7 +17,7 @@ from shapely import MultiPolygon, Polygon
 from kernel.solid.section import area_within
 
 if TYPE_CHECKING:
-    from kernel.solid.solid import Facets
+    from kernel.solid.solid import Facets, Solid
 
 Vector = NDArray[np.float64]
 
@@ -26,21 +27,61 @@ SNAP = 1e-9
 
 def slice_polygon(facets: Facets, direction: Vector, offset: float, u: Vector, v: Vector) -> Polygon | MultiPolygon:
     """The section at direction . x = offset, in coordinates (x.u, x.v); empty where the plane misses."""
+    points, _ = _segments(facets, direction, offset, u, v)
+    if len(points) == 0:
+        return Polygon()
+    grid = SNAP * max(float(np.ptp(points.reshape(-1, 2), axis=0).max()), 1e-300)
+    return area_within(points, grid)
+
+
+def slice_loops(facets: Facets, direction: Vector, offset: float, u: Vector, v: Vector) -> NDArray[np.float64]:
+    """Signed areas of the section's boundary loops: outer ones positive, holes negative. No polygon is made."""
+    points, edges = _segments(facets, direction, offset, u, v)
+    if len(points) == 0:
+        return np.empty(0)
+    start, end = points[:, 0], points[:, 1]
+    swept = 0.5 * (start[:, 0] * end[:, 1] - start[:, 1] * end[:, 0])
+    _, inverse = np.unique(edges, return_inverse=True)
+    links = inverse.reshape(-1, 2)
+    following = np.empty(len(links), np.int64)
+    following[links[:, 0]] = links[:, 1]  # every crossed edge begins one segment and ends one
+    label = np.arange(len(links))
+    for _ in range(int(len(links)).bit_length()):
+        label = np.minimum(label, label[following])  # after k rounds, the least of the next 2^k edges of the loop
+        following = following[following]
+    areas = np.zeros(len(links))
+    np.add.at(areas, label[links[:, 0]], swept)
+    areas = areas[np.unique(label)]
+    return areas if areas.sum() > 0.0 else -areas
+
+
+def _segments(
+    facets: Facets, direction: Vector, offset: float, u: Vector, v: Vector
+) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+    """Where triangles cross the plane: segments (n, 2, 2), all running round the material the same way, and for
+    each end the mesh edge that it lies on (n, 2), as one number.
+    """
     height = facets.vertices @ direction - offset
     above = height >= 0.0
     triangles = facets.triangles
     above_count = above[triangles].sum(axis=1)
     crossing = triangles[(above_count == 1) | (above_count == 2)]
     if len(crossing) == 0:
-        return Polygon()
-    edges = crossing[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
-    edges = np.sort(edges[above[edges[:, 0]] != above[edges[:, 1]]], axis=1)  # two to a triangle, in its order
-    start, end = edges[:, 0], edges[:, 1]
-    share = height[start] / (height[start] - height[end])
+        return np.empty((0, 2, 2)), np.empty((0, 2), np.int64)
+    up = above[crossing]
+    following = np.roll(up, -1, axis=1)
+    rows = np.arange(len(crossing))
+    leaving, entering = np.argmax(up & ~following, axis=1), np.argmax(~up & following, axis=1)
+    ends = []
+    edges = []
     plane = facets.vertices @ np.stack([u, v], axis=1)
-    points = plane[start] + share[:, None] * (plane[end] - plane[start])
-    grid = SNAP * max(float(np.ptp(points, axis=0).max()), 1e-300)
-    return area_within(points.reshape(-1, 2, 2), grid)
+    for corner in (leaving, entering):
+        pair = np.sort(np.stack([crossing[rows, corner], crossing[rows, (corner + 1) % 3]], axis=1), axis=1)
+        start, end = pair[:, 0], pair[:, 1]
+        share = height[start] / (height[start] - height[end])
+        ends.append(plane[start] + share[:, None] * (plane[end] - plane[start]))
+        edges.append(start * len(facets.vertices) + end)
+    return np.stack(ends, axis=1), np.stack(edges, axis=1)
 
 
 def smallest_rectangle(polygon: shapely.Geometry) -> tuple[float, float]:
@@ -56,3 +97,20 @@ def smallest_rectangle(polygon: shapely.Geometry) -> tuple[float, float]:
 def parts_of(geometry: shapely.Geometry) -> list[Polygon]:
     """The polygons of positive area in any geometry."""
     return [part for part in shapely.get_parts(geometry) if part.geom_type == "Polygon" and part.area > 0.0]
+
+
+def outline_points(solid: Solid) -> NDArray[np.float64]:
+    """(n, 3) vertices of the solid's convex hull: all that extents in any direction need."""
+    known = _HULLS.get(solid)
+    if known is None:
+        vertices = solid.facets.vertices
+        if len(vertices) > MANY_VERTICES:
+            vertices = np.asarray(solid.manifold.hull().to_mesh64().vert_properties, dtype=np.float64)[:, :3]
+        known = _HULLS[solid] = vertices
+    return known
+
+
+_HULLS: WeakKeyDictionary[Solid, NDArray[np.float64]] = WeakKeyDictionary()
+
+MANY_VERTICES = 500
+"""Solids with more vertices are worth a convex hull before their extents are measured."""

@@ -47,10 +47,7 @@ def free_length(solid: Solid, prism: Prism, neighbours: tuple[Solid, ...]) -> fl
     slack = 10.0 * solid.surfaces.tolerance
     axes = np.stack([prism.u, prism.v, sweep.direction], axis=1)
     supports: list[tuple[float, float]] = []
-    for neighbour in neighbours:
-        contact = find_contact(solid, axes, neighbour)
-        if contact is None:
-            continue
+    for contact in find_contacts(solid, axes, neighbours):
         length = contact.end - contact.start
         is_at_end = contact.start < sweep.start + slack or contact.end > sweep.end - slack
         is_attachment = length < SUPPORT_DEPTH * prism.long_side - slack and not is_at_end
@@ -64,33 +61,38 @@ def free_length(solid: Solid, prism: Prism, neighbours: tuple[Solid, ...]) -> fl
     return free
 
 
-def find_contact(solid: Solid, axes: NDArray[np.float64], neighbour: Solid) -> Contact | None:
-    """Where `neighbour` meets the box of `solid` that stands along the columns of `axes` (3, 3), the last one along
-    the member; None where it does not.
+def find_contacts(solid: Solid, axes: NDArray[np.float64], neighbours: tuple[Solid, ...]) -> list[Contact]:
+    """Where each neighbour meets the box of `solid` that stands along the columns of `axes` (3, 3), the last one along
+    the member; those that do not meet it are left out.
     """
+    if not neighbours:
+        return []
     slack = 10.0 * solid.surfaces.tolerance
-    low, high = _box(solid, axes)
-    other_low, other_high = _box(neighbour, axes)
-    start, end = np.maximum(low, other_low), np.minimum(high, other_high)
-    if np.any(end < start - slack):
-        return None
-    if neighbour.volume > TIGHT * float(np.prod(other_high - other_low)):
-        area = float(np.prod(np.maximum(end - start, 0.0)[:2]))
-    else:
-        box = Manifold.cube(tuple(high - low + 2.0 * slack)).translate(tuple(low - slack))
-        common = neighbour.manifold ^ box.transform(np.hstack([axes, np.zeros((3, 1))]))
-        if common.is_empty():
-            return None
-        along = np.asarray(common.to_mesh64().vert_properties)[:, :3] @ axes[:, 2]
-        start[2], end[2] = max(float(along.min()), low[2]), min(float(along.max()), high[2])
-        area = float(common.volume()) / max(float(end[2] - start[2]), slack)
-    return Contact(float(start[2]), max(float(end[2]), float(start[2])), area / float(np.prod((high - low)[:2])))
+    low, high = _boxes((solid,), axes)[0]
+    boxes = _boxes(neighbours, axes)
+    starts, ends = np.maximum(low, boxes[:, 0]), np.minimum(high, boxes[:, 1])
+    section = float(np.prod((high - low)[:2]))
+    areas = np.prod(np.maximum(ends - starts, 0.0)[:, :2], axis=1)
+    room = np.prod(boxes[:, 1] - boxes[:, 0], axis=1)
+    contacts = []
+    for index in np.nonzero((ends >= starts - slack).all(axis=1))[0]:
+        neighbour = neighbours[index]
+        start, end, area = float(starts[index, 2]), float(ends[index, 2]), float(areas[index])
+        if neighbour.volume <= TIGHT * float(room[index]):
+            box = Manifold.cube(tuple(high - low + 2.0 * slack)).translate(tuple(low - slack))
+            common = neighbour.manifold ^ box.transform(np.hstack([axes, np.zeros((3, 1))]))
+            if common.is_empty():
+                continue
+            along = np.asarray(common.to_mesh64().vert_properties)[:, :3] @ axes[:, 2]
+            start, end = max(float(along.min()), float(low[2])), min(float(along.max()), float(high[2]))
+            area = float(common.volume()) / max(end - start, slack)
+        contacts.append(Contact(start, max(start, end), area / section))
+    return contacts
 
 
-def _box(solid: Solid, axes: NDArray[np.float64]) -> NDArray[np.float64]:
-    """(2, 3) lowest and highest coordinates along the columns of `axes`."""
+def _boxes(solids: tuple[Solid, ...], axes: NDArray[np.float64]) -> NDArray[np.float64]:
+    """(n, 2, 3) lowest and highest coordinates of each solid along the columns of `axes`."""
     if np.count_nonzero(axes) == 3:  # the working frame's own axes, renamed
-        ends = solid.bounds @ axes
-        return np.sort(ends, axis=0)
-    along = solid.facets.vertices @ axes
-    return np.array([along.min(axis=0), along.max(axis=0)])
+        return np.sort(np.array([solid.bounds for solid in solids]) @ axes, axis=1)
+    along = [solid.facets.vertices @ axes for solid in solids]
+    return np.array([(points.min(axis=0), points.max(axis=0)) for points in along])
