@@ -91,6 +91,12 @@ def test_an_override_that_cannot_be_is_refused_with_the_reason(attempt):
     assert "beam" in line
 
 
+def test_what_cannot_be_meshed_is_named_and_has_its_own_status(attempt):
+    status, line, files = attempt(SPHERE, "--volumes", "hex")
+    assert (status, files) == (3, ["model.csg"])
+    assert "s1" in line
+
+
 @pytest.mark.parametrize("output", ["missing/deck.bdf", ".", "/proc/deck.bdf"])
 def test_an_unwritable_output_is_refused(attempt, output):
     status, line, files = attempt(BLOCK, "--format", "nastran", output=output)
