@@ -61,10 +61,12 @@ class Family:
         """Points (n, 3) or (3,) of the family in the working frame."""
         return points if self.is_main else points @ self.rotation.T
 
-    @property
-    def is_main(self) -> bool:
-        """The family of the working frame itself."""
-        return bool((self.rotation == np.eye(3)).all())
+    is_main: bool = field(init=False)
+    """The family of the working frame itself."""
+
+    def __post_init__(self) -> None:
+        """Compare once."""
+        self.is_main = bool((self.rotation == np.eye(3)).all())
 
 
 @dataclass(frozen=True, slots=True, eq=False)

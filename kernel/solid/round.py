@@ -20,7 +20,7 @@ from kernel.solid.flat import flat_faces
 from kernel.solid.frame import SQUARE
 from kernel.solid.lathe import END_CAP, SEGMENTS_PER_TURN, START_CAP, Loop, turn, unit_circle
 from kernel.solid.setting import FLAT, Setting, positive, still_thick
-from kernel.solid.surfaces import Axis
+from kernel.solid.surfaces import Axis, cross
 from kernel.solid.table import SurfaceTable
 from kernel.solid.tracked import NotSolidError
 
@@ -84,7 +84,7 @@ def _spindle(setting: Setting) -> Spindle:
         sign * _tidy(math.sqrt(float(direction @ direction))),
         _tidy(stretch),
         math.atan2(float(x @ axis.y), float(x @ axis.x)),
-        bool(float(np.cross(x, y) @ axis.direction) > 0.0),
+        bool(float(cross(x, y) @ axis.direction) > 0.0),
     )
 
 

@@ -20,10 +20,12 @@ from kernel.solid.surfaces import (
     CylinderSurface,
     FacetedSurface,
     Plane,
+    PlaneFrame,
     SphereSurface,
     Surface,
     TorusSurface,
     Vector,
+    cross,
     plane_frame,
 )
 from kernel.units import ANGLE_TOLERANCE
@@ -75,6 +77,7 @@ class SurfaceTable:
         self.sources: dict[int, int] = {}
         """Index of the primitive by manifold's original id; cutters are not in it."""
         self._directions: list[Vector] = []
+        self._frames: list[PlaneFrame] = []
         self._direction_index = PointIndex(self.angle_tolerance)
         self._planes: dict[int, tuple[list[float], list[int]]] = {}
         self._axis_index: dict[int, PointIndex] = {}
@@ -102,6 +105,7 @@ class SurfaceTable:
         unit = sign * unit + 0.0
         unit.flags.writeable = False
         self._directions.append(unit)
+        self._frames.append(plane_frame(unit))
         self._direction_index.add((float(unit[0]), float(unit[1]), float(unit[2])), len(self._directions) - 1)
         return len(self._directions) - 1, sign
 
@@ -116,7 +120,7 @@ class SurfaceTable:
             return ids[found]
         position = bisect_left(offsets, at)
         unit = self._directions[index]
-        frame = plane_frame(unit)
+        frame = self._frames[index]
         offsets.insert(position, at)
         ids.insert(position, self._append(Plane(unit, at, frame.u, frame.v)))
         return ids[position]
@@ -153,12 +157,12 @@ class SurfaceTable:
         if found is not None:
             return found
         if x is None:
-            first = plane_frame(unit).u
+            first = self._frames[index].u
         else:
             first = x - unit * float(x @ unit)
             first = first / np.linalg.norm(first)
         foot = foot + 0.0
-        self.axes.append(Axis(foot, unit, first, np.cross(unit, first) + 0.0))
+        self.axes.append(Axis(foot, unit, first, cross(unit, first) + 0.0))
         feet.add(key, len(self.axes) - 1)
         return len(self.axes) - 1
 
