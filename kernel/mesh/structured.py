@@ -8,8 +8,8 @@ r"""Regions simple enough for a structured mesh: no irregular node, or the few t
     |  |  |  |                  /   |   \            |  +---+  |                 \ '---' /
     +--+--+--+                 +----+----+            \/     \/                   '-----'
                                                         '-----'
-Every block is a transfinite interpolation of its four sides (Gordon and Hall 1973). A result is taken only if its
-worst quad is good; all else goes to the general mesher.
+Every block is a transfinite interpolation of its four sides (Gordon and Hall 1973). A result is smoothed where that
+helps and taken only if its worst quad is good; all else goes to the general mesher.
 """
 
 from __future__ import annotations
@@ -28,6 +28,7 @@ Grid = NDArray[np.int64]
 
 _LEAST_QUALITY = 0.6
 """Scaled Jacobian of the worst quad that a structured mesh may have."""
+_SMOOTH_UNDER = 0.8
 _CORNER = math.radians(40)
 _ROUND_CORNER = math.radians(60)
 """A ring turns a corner where it turns by more than this; by the second where both edges belong to arcs."""
@@ -52,9 +53,13 @@ def structured_mesh(region: Region, size: float) -> RegionMesh | None:
         mesh = _layers(region, rings, size) if len(rings) == 2 else None
     else:
         mesh = _one_ring(region, rings[0], size)
-    if mesh is None or _worst(mesh, region.period) < _LEAST_QUALITY:
+    if mesh is None:
         return None
-    return mesh
+    if region.period is None and _worst(mesh, None) < _SMOOTH_UNDER:
+        from kernel.mesh.quads import smooth
+
+        smooth(mesh.points, mesh.quads, np.arange(len(mesh.points)) < len(region.points))
+    return mesh if _worst(mesh, region.period) >= _LEAST_QUALITY else None
 
 
 def _rings(region: Region) -> list[Grid] | None:
