@@ -8,6 +8,7 @@ class Bodies:
 
     def __init__(self) -> None:
         self._parent: dict[int, int] = {}
+        self._members: dict[int, list[int]] = {}
 
     def find(self, node: int) -> int:
         """The body of the node, by its smallest member."""
@@ -21,16 +22,16 @@ class Bodies:
     def join(self, one: int, other: int) -> None:
         """The bodies of two nodes become one."""
         a, b = sorted((self.find(one), self.find(other)))
+        if a == b:
+            return
         self._parent.setdefault(a, a)
         self._parent[b] = a
+        self._members.setdefault(a, [a]).extend(self._members.pop(b, [b]))
 
     def groups(self) -> dict[int, list[int]]:
-        """All bodies of two or more nodes, members in order."""
-        result: dict[int, list[int]] = {}
-        for node in sorted(self._parent):
-            result.setdefault(self.find(node), []).append(node)
-        return {root: members for root, members in result.items() if len(members) > 1}
+        """All bodies of two or more nodes, by their smallest member; members in order."""
+        return {root: sorted(self._members[root]) for root in sorted(self._members)}
 
     def members(self, node: int) -> list[int]:
         """All nodes of the node's body, in order."""
-        return self.groups().get(self.find(node), [node])
+        return sorted(self._members.get(self.find(node), [node]))

@@ -52,8 +52,7 @@ KNOT_LENGTH = 1e-3
 
 def write(model: Model) -> bytes:
     """The deck, complete but for supports, loads and steps; DeckError for a beam section that ccx does not know."""
-    text = [*_deck(model), "** supports and steps go here"]
-    return ("\n".join(text) + "\n").encode("ascii")
+    return assemble_deck(model, ["** supports and steps go here"])
 
 
 def calculix_self_weight(model: Model, supports: Sequence[int], direction: Sequence[float] = (0, 0, -1)) -> bytes:
@@ -63,11 +62,16 @@ def calculix_self_weight(model: Model, supports: Sequence[int], direction: Seque
         if ELEMENT_KINDS[block.kind].dimension < 3:
             turning[block.connectivity.ravel()] = True
     gravity = UNIT_SETS[model.units].gravity
-    lines = [*_deck(model), "*NSET, NSET=HELD", *wrapped([node + 1 for node in sorted(supports)]), "*BOUNDARY"]
+    lines = ["*NSET, NSET=HELD", *wrapped([node + 1 for node in sorted(supports)]), "*BOUNDARY"]
     lines += [f"{node + 1}, 1, {6 if turning[node] else 3}" for node in sorted(supports)]
     lines += ["*STEP", "*STATIC", "*DLOAD", f"EALL, GRAV, {real(gravity)}, {', '.join(map(real, direction))}"]
     lines += ["*NODE PRINT, NSET=NALL", "U", "*NODE PRINT, NSET=HELD, TOTALS=ONLY", "RF", "*END STEP"]
-    return ("\n".join(lines) + "\n").encode("ascii")
+    return assemble_deck(model, lines)
+
+
+def assemble_deck(model: Model, lines: Sequence[str]) -> bytes:
+    """The deck, then lines of one's own: supports, steps. Node numbers are index + 1; the set EALL is all elements."""
+    return ("\n".join([*_deck(model), *lines]) + "\n").encode("ascii")
 
 
 def _deck(model: Model) -> list[str]:

@@ -52,7 +52,7 @@ _SOLID_CLASSES = ("hex8", "hex20", "wedge6", "wedge15", "tet4", "tet10")
 
 def write(model: Model) -> bytes:
     """The deck; DeckError where ids or numbers do not fit their fields."""
-    return _deck(model, case=["$ LOAD = 1", "$ SPC = 1"], bulk=[])
+    return assemble_deck(model, case=["$ LOAD = 1", "$ SPC = 1"], bulk=[])
 
 
 def nastran_self_weight(model: Model, supports: Sequence[int], direction: Sequence[float] = (0, 0, -1)) -> bytes:
@@ -63,13 +63,14 @@ def nastran_self_weight(model: Model, supports: Sequence[int], direction: Sequen
     held = [_card("SPC1", [1, 123456, *(node + 1 for node in chunk)]) for chunk in _chunks(sorted(supports), 6)]
     load = _wide("GRAV", [1, 0, gravity, *map(float, direction)])
     case = ["LOAD = 1", "SPC = 1", "DISPLACEMENT = ALL", "SPCFORCES = ALL"]
-    return _deck(model, case=case, bulk=["PARAM,GRDPNT,0", load, *held])
+    return assemble_deck(model, case=case, bulk=["PARAM,GRDPNT,0", load, *held])
 
 
-def _deck(model: Model, case: list[str], bulk: list[str]) -> bytes:
+def assemble_deck(model: Model, case: Sequence[str], bulk: Sequence[str], solution: int = 101) -> bytes:
+    """The deck with lines of one's own in the case control and at the head of the bulk data. Grid ids are index + 1."""
     numbering = _Numbering(model)
     lines = [f"$ {line}" for line in header_lines(model, "NASTRAN bulk data")]
-    lines += ["SOL 101", "CEND", f"TITLE = {ascii_text(model.title)[:60]}", "ECHO = NONE"]
+    lines += [f"SOL {solution}", "CEND", f"TITLE = {ascii_text(model.title)[:60]}", "ECHO = NONE"]
     lines += _sets(model, numbering)
     lines += case
     if any(isinstance(coupling, Mpc) for coupling in model.couplings):
