@@ -92,29 +92,27 @@ class RuleBase:
     def _decide(self, facts: Facts) -> Conclusion | Need:
         from rules.explain import conclude
 
-        verdict, view, found = self.judge(facts)
+        verdict, view, outcomes = self.judge(facts)
         if isinstance(verdict, int):
             return Need(TIERS[verdict])
-        return conclude(self, verdict, view, found)
+        return conclude(self, verdict, view, outcomes)
 
     def judge(self, facts: Facts) -> tuple[Verdict | int, View, dict[int, int]]:
-        """The verdict or the tier needed, the view it was taken on, and each rule's outcome that holds or may hold."""
+        """The verdict or the tier needed, the view it was taken on, and the outcome of each rule by index."""
         from rules.compile import View
-        from rules.logic import TRUE, tier_of
+        from rules.logic import MAY_BE_TRUE, TRUE, tier_of
         from rules.resolve import resolve
 
         view = View(facts)
-        found = self._engine.run(view)
-        holding, open_rules = [], []
-        for index in sorted(found):
-            rule = self.rules[index]
-            if rule.segment is None:
-                continue
-            if found[index] == TRUE:
-                holding.append(rule)
-            else:
-                open_rules.append((rule, tier_of(found[index])))
-        return resolve(holding, open_rules), view, found
+        rules = self.definition.rules
+        fired, outcomes = self._engine.run(view)
+        holding = [rules[index] for index in sorted(fired) if rules[index].segment is not None]
+        open_rules = [
+            (rules[index], tier_of(outcome))
+            for index, outcome in sorted(outcomes.items())
+            if outcome & MAY_BE_TRUE and outcome != TRUE and rules[index].segment is not None
+        ]
+        return resolve(holding, open_rules), view, outcomes
 
     def explain(self, facts: Facts) -> Explanation:
         """Why the answer is what it is: every rule, with the numbers that made it hold or fail."""

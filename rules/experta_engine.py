@@ -23,7 +23,7 @@ from typing import Any
 
 from kernel.errors import DefectError
 from rules.compile import Match, View
-from rules.logic import MAY_BE_TRUE, any_of
+from rules.logic import TRUE, any_of
 
 _import_lock = threading.RLock()
 _LENT_NAMES = (
@@ -76,30 +76,30 @@ class EngineRule:
 
 
 class Run:
-    """One run's working memory: the view, what every rule asked so far came to, and what the fired rules reported."""
+    """One run's working memory: the view, what every rule asked so far came to, and the rules that fired, in order."""
 
-    __slots__ = ("found", "outcomes", "view")
+    __slots__ = ("fired", "outcomes", "view")
 
     def __init__(self, view: View) -> None:
         self.view = view
         self.outcomes: dict[int, int] = {}
-        self.found: dict[int, int] = {}
+        self.fired: list[int] = []
 
 
 class ExpertaEngine:
     """A knowledge engine over one rule base. Belongs to one thread; neither pickled nor shared.
 
     One fact of a class of its own for each level: `Stage0(run)`, `Stage1(run)`, ... Each rule matches the stage of its
-    level by one predicate, its condition over the whole view. A rule that fires reports its outcome to the run; when
-    none is left at a level, the words of that level are decided and the next stage is declared. (Classes, not a field:
+    level by one predicate, its condition over the whole view. A rule that holds fires and tells the run; when none
+    is left at a level, the words of that level are decided and the next stage is declared. (Classes, not a field:
     experta tests a fact's class first, but its fields in an order that changes with the hash seed.)
     """
 
     def __init__(self, rules: Sequence[EngineRule]) -> None:
         self._engine, self._first_stage = _build(rules)
 
-    def run(self, view: View) -> dict[int, int]:
-        """Outcome by rule index, of the rules that hold or may still hold."""
+    def run(self, view: View) -> tuple[list[int], dict[int, int]]:
+        """Indices of the rules that fired, and the outcome of every rule by index."""
         engine = self._engine
         engine.memory = run = Run(view)
         try:
@@ -107,7 +107,7 @@ class ExpertaEngine:
             engine.run()
         finally:
             engine.forget()
-        return run.found
+        return run.fired, run.outcomes
 
 
 def _build(rules: Sequence[EngineRule]) -> tuple[Any, Any]:
@@ -153,20 +153,20 @@ def _forget(engine: Any) -> None:
 def _predicate(rule: EngineRule) -> Callable[[Run], bool]:
     index, match = rule.index, rule.match
 
-    def may_hold(run: Run) -> bool:
+    def holds(run: Run) -> bool:
         found = run.outcomes.get(index)
         if found is None:
             found = run.outcomes[index] = match(run.view)
-        return bool(found & MAY_BE_TRUE)
+        return found == TRUE
 
-    return may_hold
+    return holds
 
 
 def _action(rule: EngineRule) -> Callable[[Any], None]:
     index = rule.index
 
     def report(engine: Any) -> None:
-        engine.memory.found[index] = engine.memory.outcomes[index]
+        engine.memory.fired.append(index)
 
     report.__name__ = rule.name
     return report
@@ -242,6 +242,8 @@ def _matcher() -> type:
                 self.root_node.add(fact)
             added: list = []
             removed: list = []
+            if not adding and not deleting:
+                return added, removed
             for node in self._conflict_sets():
                 if node.added or node.removed:
                     node_added, node_removed = node.get_activations()

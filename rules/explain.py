@@ -15,7 +15,7 @@ from kernel.facts import SPECS, TIERS, Facts, Value
 from kernel.plan import Conclusion, Need, Rejected
 from rules.compile import Unknown, View
 from rules.definition import BANDS, CONCLUSIONS, PREFERENCE, Rule
-from rules.logic import TRUE
+from rules.logic import MAY_BE_TRUE, TRUE
 from rules.resolve import EQUAL_CERTAINTY, Candidate, Verdict
 from rules.syntax import Expression
 from rules.template import format_value
@@ -146,11 +146,11 @@ def needs_review(answer: Conclusion | Need) -> bool:
     return bool(answer.conflicts) or (answer.margin is not None and answer.margin < REVIEW_WITHIN)
 
 
-def conclude(base: RuleBase, verdict: Verdict, view: View, found: Mapping[int, int]) -> Conclusion:
+def conclude(base: RuleBase, verdict: Verdict, view: View, outcomes: Mapping[int, int]) -> Conclusion:
     """The verdict as a conclusion, with its reason, margin and the best rejected rule of each other type."""
     winner = verdict.winner
     rule = winner.rules[0]
-    strengths = _strengths(base, verdict, view, found)
+    strengths = _strengths(base, verdict, view, outcomes)
     return Conclusion(
         winner.type,
         rule.id,
@@ -162,13 +162,15 @@ def conclude(base: RuleBase, verdict: Verdict, view: View, found: Mapping[int, i
     )
 
 
-def _strengths(base: RuleBase, verdict: Verdict, view: View, found: Mapping[int, int]) -> dict[int, float | None]:
+def _strengths(base: RuleBase, verdict: Verdict, view: View, outcomes: Mapping[int, int]) -> dict[int, float | None]:
     """Strength by rule index, of the rules that made the winner and of those for other types that fail."""
     type_, made = verdict.winner.type, {rule.id for rule in verdict.winner.rules}
     return {
         index: base.strengths[index](view)
         for index, rule in enumerate(base.rules)
-        if (rule.id in made if rule.segment == type_ else rule.segment is not None and index not in found)
+        if (
+            rule.id in made if rule.segment == type_ else rule.segment is not None and not outcomes[index] & MAY_BE_TRUE
+        )
     }
 
 
@@ -248,14 +250,14 @@ def _beats(rule: Rule, winner: Candidate) -> bool:
 
 def explain(base: RuleBase, facts: Facts) -> Explanation:
     """The full explanation of what the rules say about `facts`."""
-    verdict, view, found = base.judge(facts)
+    verdict, view, outcomes = base.judge(facts)
     answer: Conclusion | Need
     nearest = None
     if isinstance(verdict, int):
         answer = Need(TIERS[verdict])
     else:
-        answer = conclude(base, verdict, view, found)
-        margin, rule = _margin(base, verdict, _strengths(base, verdict, view, found))
+        answer = conclude(base, verdict, view, outcomes)
+        margin, rule = _margin(base, verdict, _strengths(base, verdict, view, outcomes))
         if rule is not None and margin is not None:
             nearest = _nearest_text(base, rule, view, margin)
     reports = [_report(base, index, rule, view) for index, rule in enumerate(base.rules)]

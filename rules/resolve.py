@@ -57,7 +57,15 @@ def resolve(holding: list[Rule], open_rules: list[tuple[Rule, int]]) -> Verdict 
     """
     candidates = _ranked(holding)
     best = candidates[0] if candidates else None
-    needed = [tier for rule, tier in open_rules if best is None or _could_beat(rule, best, holding, open_rules)]
+    groups: dict[tuple[str, str], list[tuple[Rule, int]]] = {}
+    for rule, tier in open_rules:
+        if best is None or rule.concludes != best.type:
+            groups.setdefault((rule.band, rule.concludes), []).append((rule, tier))
+    needed = [
+        min(tier for _, tier in members)
+        for (band, type_), members in groups.items()
+        if best is None or _could_beat(band, type_, [rule for rule, _ in members], best, holding)
+    ]
     if needed:
         return min(needed)
     if best is None:
@@ -79,20 +87,16 @@ def _ranked(holding: list[Rule]) -> list[Candidate]:
     return candidates
 
 
-def _could_beat(rule: Rule, best: Candidate, holding: list[Rule], open_rules: list[tuple[Rule, int]]) -> bool:
-    """Whether `rule`, with all that may still hold for its type, could take the place of `best`."""
-    if rule.concludes == best.type:
-        return False
-    band, best_band = BANDS.index(rule.band), BANDS.index(best.band)
-    if band != best_band:
-        return band > best_band
-    allies = [other for other in holding if (other.band, other.concludes) == (rule.band, rule.concludes)]
-    allies += [other for other, _ in open_rules if (other.band, other.concludes) == (rule.band, rule.concludes)]
-    highest = round(combined(allies) / EQUAL_CERTAINTY)
+def _could_beat(band: str, type_: str, members: list[Rule], best: Candidate, holding: list[Rule]) -> bool:
+    """Whether `type_`, if all of the open `members` of the band came to hold, would take the place of `best`."""
+    if band != best.band:
+        return BANDS.index(band) > BANDS.index(best.band)
+    allies = [rule for rule in holding if (rule.band, rule.concludes) == (band, type_)]
+    highest = round(combined([*allies, *members]) / EQUAL_CERTAINTY)
     certainty = round(best.certainty / EQUAL_CERTAINTY)
     if highest != certainty:
         return highest > certainty
-    return PREFERENCE.index(rule.concludes) < PREFERENCE.index(best.type)
+    return PREFERENCE.index(type_) < PREFERENCE.index(best.type)
 
 
 def _conflicts(candidates: list[Candidate]) -> list[str]:
