@@ -1,0 +1,147 @@
+"""Joints of walls: whatever the angle, whoever owns the corner, one mesh on shared curves and a ledger that adds up."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from assembling import WHOLE, assembled, audit, cube, difference, extrusion, mesh_volume, placed, rod, turned, union
+from shapely.geometry import LineString, Polygon
+
+
+def vee(angle: float, t: float = 6.0) -> str:
+    """Two walls that meet at `angle`, mitred, 200 high."""
+    a = math.radians(angle)
+    line = LineString([(100, 0), (0, 0), (100 * math.cos(a), 100 * math.sin(a))])
+    outline = line.buffer(t / 2, cap_style="flat", join_style="mitre", mitre_limit=20)
+    return extrusion(list(outline.exterior.coords)[:-1], 200)
+
+
+def inclined_web(angle: float, t: float) -> str:
+    """A flange with a web at `angle` to it."""
+    below = cube(900, 900, 100, (-50, -300, -100 + 5))
+    return union(cube(300, 400, 10), difference(cube(300, t, 250, (0, 100, -30), turned("x", angle - 90)), below))
+
+
+def box(x, y, z, t) -> str:
+    return difference(cube(x, y, z), cube(x - 2 * t, y - 2 * t, z - 2 * t, (t, t, t)))
+
+
+TUBE_ON_PLATE = difference(union(cube(400, 300, 10), rod(200, 50, (140, 120, 0))), rod(300, 45, (140, 120, -1)))
+HULL = Polygon([(0, 0), (300, 0), (220, 200), (40, 240)])
+HULL_INSIDE = HULL.buffer(-6, join_style="mitre", mitre_limit=20)
+
+JOINTS = {
+    "tee": union(cube(200, 150, 4), cube(200, 12, 100, (0, 69, 4))),
+    "tee at 60 degrees": inclined_web(60, 8),
+    "tee at 25 degrees": inclined_web(25, 8),
+    "vee at 45 degrees": vee(45),
+    "vee at 90 degrees": vee(90),
+    "vee at 135 degrees": vee(135),
+    "cross": union(cube(200, 8, 200, (0, 96, 0)), cube(200, 200, 6, (0, 0, 97))),
+    "three walls on one line": union(
+        *(cube(100, 6, 200, tuple(turned("z", a) @ (0, -3, 0)), turned("z", a)) for a in (0, 120, 240))
+    ),
+    "corner with a lip": union(cube(200, 150, 8), cube(200, 8, 100, (0, 15, 8))),
+    "web longer than its flange": union(cube(200, 120, 10), cube(300, 8, 100, (-50, 56, 10))),
+    "webs face to face, 3 apart": union(
+        cube(300, 150, 10), cube(300, 8, 100, (0, 70, 10)), cube(300, 8, 100, (0, 73, -100))
+    ),
+    "webs face to face, 0.3 apart": union(
+        cube(300, 150, 10), cube(300, 8, 100, (0, 70, 10)), cube(300, 8, 100, (0, 70.3, -100))
+    ),
+    "hole near the joint": difference(
+        union(cube(300, 150, 10), cube(300, 8, 100, (0, 71, 10))),
+        rod(20, 15, (100, 94, -5)),
+        rod(40, 12, (200, 60, 30), turned("x", -90)),
+    ),
+    "hole across the joint": difference(
+        union(cube(300, 150, 10), cube(300, 8, 100, (0, 71, 10))), rod(30, 25, (150, 75, -10))
+    ),
+    "hole in the flange alone": union(
+        difference(cube(300, 150, 10), rod(30, 25, (150, 75, -10))), cube(300, 8, 100, (0, 71, 10))
+    ),
+    "egg-crate": union(
+        *(cube(306, 6, 60, (0, 100 * i, 0)) for i in range(4)),
+        *(cube(6, 306, 60, (100 * i, 0, 0)) for i in range(4)),
+        cube(306, 306, 6),
+    ),
+    "hull with skew corners": difference(
+        extrusion(list(HULL.exterior.coords)[:-1], 150), extrusion(list(HULL_INSIDE.exterior.coords)[:-1], 150, (0, 0, 6))
+    ),
+    "box, turned": placed(box(400, 300, 200, 6), (10, 20, 30), turned("x", 20) @ turned("y", 35)),
+    "box with a partition and a hole through it all": difference(
+        union(box(300, 200, 150, 6), cube(6, 188, 138, (120, 6, 6))), rod(400, 30, (-10, 100, 75), turned("y", 90))
+    ),
+    "gusset with a rat hole": union(
+        cube(200, 150, 10),
+        cube(200, 10, 150),
+        extrusion([(15, 0), (90, 0), (0, 90), (0, 15)], 8, (96, 10, 10), turned("z", 90) @ turned("x", 90)),
+    ),
+    "tube on a plate": TUBE_ON_PLATE,
+    "tube near the plate's edge": difference(
+        union(cube(400, 300, 10), rod(200, 50, (52, 120, 0))), rod(300, 45, (52, 120, -1))
+    ),
+    "pipe with a flange at its end": difference(
+        union(rod(10, 150), rod(200, 90)), rod(300, 85, (0, 0, -50)), *(rod(20, 8, (120 * x, 120 * y, -5)) for x, y in ((1, 0), (-1, 0), (0, 1), (0, -1)))
+    ),
+    "lap with a tee under it": union(
+        cube(200, 100, 8), cube(200, 100, 6, (150, 0, 8)), cube(200, 8, 80, (0, 46, -80))
+    ),
+    "step": union(cube(200, 100, 8), cube(200, 100, 12, (200, 0, 0))),
+    "step, mid-planes level": union(cube(200, 100, 8, (0, 0, 2)), cube(200, 100, 12, (200, 0, 0))),
+    "stiffener": union(cube(1000, 300, 8), cube(1000, 20, 20, (0, 140, 8))),
+    "column amid a plate": union(cube(600, 600, 20), cube(60, 60, 900, (270, 270, 20))),
+    "bars across": union(cube(1000, 40, 40), cube(40, 1000, 40, (480, -480, 40))),
+    "bars in a tee": union(cube(1000, 40, 40), cube(40, 700, 40, (480, 40, 0))),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", JOINTS)
+def test_every_joint_is_one_model_without_cracks_and_its_ledger_adds_up(name):
+    assembly, evaluated = assembled(JOINTS[name])
+    assert audit(assembly) == WHOLE
+    solid = evaluated.solid.true_volume
+    ledger = sum(row.volume for row in assembly.ledger)
+    chords = 1.5e-3 if any(word in name for word in ("hole", "tube", "pipe")) else 1e-9
+    assert mesh_volume(assembly) - ledger == pytest.approx(solid, rel=chords)
+
+
+@pytest.mark.parametrize("angle", [90, 60, 25])
+def test_a_tee_counts_half_the_webs_slab_twice(angle):
+    t, web, length = 10, 8, 300
+    assembly, _ = assembled(inclined_web(angle, web))
+    counted = sum(row.volume for row in assembly.ledger)
+    assert counted == pytest.approx(t * web * length / (2 * math.sin(math.radians(angle))), rel=1e-6)
+
+
+def test_a_corner_of_three_walls_lacks_a_quarter_of_its_cube():
+    assembly, _ = assembled(box(400, 300, 200, 6))
+    corners = [row for row in assembly.ledger if len(row.segments) == 3]
+    assert [row.volume for row in corners] == pytest.approx([-(6**3) / 4] * 8)
+    assert sum(abs(row.volume) for row in assembly.ledger if len(row.segments) < 3) < 1e-6
+
+
+def test_the_joint_curve_of_a_tube_is_a_circle_of_its_mid_radius_in_both():
+    assembly, evaluated = assembled(TUBE_ON_PLATE)
+    shared = set(assembly.mesh.blocks[0].connectivity.ravel()) & set(assembly.mesh.blocks[1].connectivity.ravel())
+    nodes = assembly.mesh.nodes[sorted(shared)]
+    assert len(nodes) >= 16
+    assert np.abs(np.hypot(*(nodes[:, :2] - (140, 120)).T) - 47.5).max() < 1e-9 * evaluated.size
+    assert np.abs(nodes[:, 2] - 5).max() < 1e-9 * evaluated.size
+
+
+def test_three_walls_share_the_one_line_on_which_they_meet():
+    assembly, _ = assembled(JOINTS["three walls on one line"])
+    often = assembly.curve_uses[:, 2]
+    assert often.max() == 3
+    ends = assembly.mesh.nodes[assembly.curve_uses[often == 3][:, :2].ravel()]
+    assert np.abs(ends[:, :2]).max() < 1e-6
+
+
+def test_corner_material_of_a_sharp_vee_has_no_elements_but_a_row_in_the_ledger():
+    assembly, _ = assembled(vee(45))
+    assert len(assembly.segments) == 2
+    assert any("corner" in row.cause for row in assembly.ledger)
+    assert any("no elements" in warning for warning in assembly.warnings)
