@@ -171,16 +171,12 @@ class _ToStatements(Transformer):
         moves = [move for item in items[1:] if type(item) is tuple for move in item]
         return Placed(operand.here, operand, tuple(moves))
 
-    def signed(self, items: list[Any]) -> Expression:
+    def minus(self, items: list[Any]) -> Expression:
         operand = _expression(items[-1])
         n_minus = sum(item.type == "MINUS" for item in items[:-1])
         return Signed(_here(items[0]), operand) if n_minus % 2 else operand
 
-    exponent = signed
-
-    def _chain(self, items: list[Any]) -> Chain:
+    def chain(self, items: list[Any]) -> Chain:
         operands = tuple(_expression(item) for item in items[::2])
         operators = tuple((str(token).upper(), _here(token)) for token in items[1::2])
         return Chain(operands[0].here, operands, operators)
-
-    solid = term = sum = product = power = _chain

@@ -340,6 +340,21 @@ def test_source_instead_of_csg_and_unknown_names_are_told_apart(name):
         ),
         ("cube(size = [1, 1]);", "m.csg:1:6: cube's size is [1, 1], expected 3 finite numbers over 0"),
         ("cube(size = 1e400);", "m.csg:1:6: cube's size is inf, expected 3 finite numbers over 0"),
+        ("cube(size = 2e12);", "m.csg:1:6: cube's size is 2e+12, expected a number up to 1e+12"),
+        ("cube(size = [1, 1, 1e-13]);", "m.csg:1:6: cube's size is [1, 1, 1e-13], expected a number of 1e-12 or more"),
+        (
+            extrude(SQUARE, "height = 5, twist = 90, slices = 20000"),
+            "m.csg:1:40: linear_extrude's slices is 20000, expected a whole number from 1 to 10000",
+        ),
+        (
+            extrude(SQUARE, "height = 5, twist = 1e9, $fn = 100"),
+            "m.csg:1:1: linear_extrude's twist of 1e+09 degrees takes 277777778 slices, expected at most 10000",
+        ),
+        (
+            "multmatrix([[1e9, 0, 0, 0], [0, 1e9, 0, 0], [0, 0, 1e9, 0], [0, 0, 0, 1]]) { " * 2 + CUBE + "}}",
+            "m.csg:1:155: placements scale or move the block out of all bounds, expected factors of 1e-12 to 1e+12 and "
+            "shifts up to 1e+12 in all",
+        ),
         ("cylinder(h = 0, r1 = 1, r2 = 1);", "m.csg:1:10: cylinder's h is 0, expected a number over 0"),
         ("cylinder(h = 1, r1 = 0, r2 = 0);", "m.csg:1:17: cylinder's r1 is 0, expected a number over 0"),
         ("cylinder(h = 1, r1 = 1, r2 = -2);", "m.csg:1:25: cylinder's r2 is -2, expected a number of 0 or more"),

@@ -185,8 +185,10 @@ def test_precedence_without_parentheses_is_pythons(steps):
         value = float(eval(re.sub(r"\d+", r"\g<0>.0", text)))  # the text is ours: digits and operators
     except OverflowError:
         value = math.inf
-    if math.isfinite(value):
+    if abs(value) < 1e12:
         assert value_of(text) == pytest.approx(value, rel=1e-9)
+    elif math.isfinite(value):
+        assert value_of(f"({text}) / 1e200 / 1e100") == pytest.approx(value / 1e200 / 1e100, rel=1e-9)
     else:
         assert "is too large" in error_of(f"X = {text}\nA = SPH(1)")
 
@@ -261,6 +263,9 @@ def test_angles_are_degrees_and_exact_where_they_can_be():
         ("X = 0 ** -1\nA = SPH(1)", "m.csg:1:7: 0 ** -1 has no value, expected a base over 0 or a whole exponent"),
         ("X = SQRT(-1)\nA = SPH(1)", "m.csg:1:5: SQRT(-1) has no value, expected a number of 0 or more"),
         ("X = TAN(90)\nA = SPH(1)", "m.csg:1:5: TAN(90) has no value, expected an angle other than 90 degrees"),
+        ("A = SPH(1e13)", "m.csg:1:9: SPH's R is 1e+13, expected a number up to 1e+12"),
+        ("A = SPH(1e-13)", "m.csg:1:9: SPH's R is 1e-13, expected a number of 1e-12 or more"),
+        ("A = SPH(1) AT (MOVX=2e12)", "m.csg:1:16: MOVX is 2e+12, expected a number up to 1e+12"),
         ("X = SIN(1, 2)\nA = SPH(1)", "m.csg:1:5: SIN has 2 arguments, expected one number"),
         ("X = 3", "m.csg: there is no solid in the file, expected one such as A = BLO(1, 1, 1)"),
         ("! nothing", "m.csg: there is no solid in the file, expected one such as A = BLO(1, 1, 1)"),

@@ -5,6 +5,8 @@ import json
 import sys
 
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from kernel.csg import reader
 from kernel.csg.reader import language_of, read_file, read_model
@@ -80,6 +82,55 @@ def test_a_file_of_fifty_megabytes_is_refused(tmp_path):
     with pytest.raises(ReadError) as caught:
         read_file(str(path))
     assert str(caught.value) == f"{path}: the file is too large, expected less than 50 MB"
+
+
+TEXTS = (
+    "difference() {\n\tcube(size = [4, 4, 1], center = false);\n\tcylinder($fn = 0, h = 3, r1 = 1, r2 = 1);\n}\n",
+    "! plate\nUNITS mm\nX = 3 * (1 + SIN(30))\nA = BLO(X, 4, 1) DIF CYL(R=1, H=3) AT (ROTX=90)\n",
+    '{"root": {"kind": "union", "operands": [{"kind": "sphere", "radius": 1}, {"kind": "block", "size": [1, 2, 3]}]}}',
+)
+pieces = st.sampled_from(
+    [
+        "",
+        "-",
+        "0",
+        "1e999",
+        "nan",
+        "[",
+        "]",
+        "{",
+        "}",
+        "(",
+        ")",
+        ";",
+        ",",
+        "=",
+        "&",
+        "!",
+        "*",
+        '"',
+        "\n",
+        "cube",
+        "UN",
+        "\\",
+    ]
+)
+edits = st.lists(st.tuples(st.floats(0, 1), st.integers(0, 6), pieces), min_size=1, max_size=4)
+
+
+@settings(max_examples=300)
+@given(st.sampled_from(TEXTS), edits)
+def test_a_spoilt_text_gives_a_model_or_one_line_that_says_why(text, changes):
+    for share, length, piece in changes:
+        start = int(share * len(text))
+        text = text[:start] + piece + text[start + length :]
+    try:
+        read_model(text, "m.csg")
+    except ReadError as error:
+        line = str(error)
+        assert line.startswith("m.csg:")
+        assert "expected" in line
+        assert "\n" not in line
 
 
 def test_the_same_solid_reads_alike_in_the_three_languages():
