@@ -1,0 +1,132 @@
+"""The web page in a real browser: open, understand, override, mesh, download."""
+
+import re
+import subprocess
+import sys
+import urllib.request
+from pathlib import Path
+
+import pytest
+from browser import Browser, find_browser
+
+EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
+
+pytestmark = pytest.mark.skipif(find_browser() is None, reason="Chromium is a program of the system, not of Python")
+
+
+@pytest.fixture(scope="module")
+def url(tmp_path_factory):
+    data = str(tmp_path_factory.mktemp("data"))
+    command = [sys.executable, "-c", "from app.cli import main; main()", "serve", "--port", "0", "--data", data]
+    with subprocess.Popen(command, stderr=subprocess.PIPE, text=True) as service:
+        yield re.search(r"http://[\d.:]+/", service.stderr.readline()).group()
+        service.terminate()
+        service.communicate(timeout=20)
+
+
+@pytest.fixture(scope="module")
+def browser(tmp_path_factory):
+    browser = Browser(find_browser(), tmp_path_factory.mktemp("profile"))
+    yield browser
+    browser.close()
+
+
+@pytest.fixture
+def page(browser, url):
+    browser.open(url)
+    browser.wait("document.querySelector('[data-testid=deck-format]').options.length > 0")
+    yield browser
+    assert browser.errors == []
+
+
+def by(testid):
+    return f"document.querySelector('[data-testid={testid}]')"
+
+
+def choose(page, selector, value):
+    page.run(f"(() => {{ const s = {selector}; s.value = {value!r}; s.dispatchEvent(new Event('change')); }})()")
+
+
+def types(page):
+    return page.run("[...document.querySelectorAll('[data-testid=segment-row]')].map(row => row.dataset.type)")
+
+
+def open_example(page, name, count):
+    choose(page, by("example-select"), name)
+    page.wait(f"document.querySelectorAll('[data-testid=segment-row]').length === {count}")
+    page.wait("!document.body.hasAttribute('aria-busy')")
+
+
+# How many pixels of the viewer are not white.
+DRAWN_PIXELS = (
+    f"(() => {{ const gl = {by('viewer')}.getContext('webgl2'); const w = gl.drawingBufferWidth, "
+    "h = gl.drawingBufferHeight, p = new Uint8Array(4 * w * h); "
+    "gl.readPixels(0, 0, w, h, gl.RGBA, gl.UNSIGNED_BYTE, p); "
+    "let n = 0; for (let k = 0; k < p.length; k += 4) n += p[k] < 250 || p[k + 1] < 250; return n; })()"
+)
+
+
+def test_an_example_shows_its_tree_its_segments_and_itself(page):
+    open_example(page, "Table", 5)
+    assert types(page) == ["plate", "beam", "beam", "beam", "beam"]
+    assert "TOP: block" in page.run(f"{by('csg-tree')}.innerText")
+    page.wait(f"{DRAWN_PIXELS} > 10000")
+
+
+def test_a_segment_says_why_it_is_what_it_is(page):
+    open_example(page, "Table", 5)
+    page.run("document.querySelectorAll('[data-testid=segment-row]')[1].click()")
+    said = page.run(f"{by('explanation')}.innerText")
+    assert "beam" in said and "span 735" in said and "not brick" in said
+
+
+def test_an_override_is_chosen_in_its_row_and_taken_back(page):
+    open_example(page, "Table", 5)
+    choose(page, "document.querySelectorAll('[data-testid=segment-type]')[1]", "brick")
+    page.wait("document.querySelectorAll('[data-testid=segment-row]')[1].dataset.type === 'brick'")
+    choose(page, "document.querySelectorAll('[data-testid=segment-type]')[1]", "auto")
+    page.wait("document.querySelectorAll('[data-testid=segment-row]')[1].dataset.type === 'beam'")
+
+
+def test_an_override_that_cannot_be_is_told_and_undone(page, tmp_path):
+    (tmp_path / "ball.csg").write_text("BALL = SPH(R=10)\nOUT BALL\n")
+    page.give_file("[data-testid=open-model]", tmp_path / "ball.csg")
+    page.wait("document.querySelectorAll('[data-testid=segment-row]').length === 1")
+    page.wait("!document.body.hasAttribute('aria-busy')")
+    choose(page, by("segment-type"), "beam")
+    page.wait("!document.getElementById('message').hidden")
+    assert "beam" in page.run("document.getElementById('message').textContent")
+    assert types(page) == ["brick"] and page.run(f"{by('segment-type')}.value") == "brick"
+
+
+def test_a_mesh_is_made_shown_and_downloaded(page, url):
+    open_example(page, "Bracket", 3)
+    page.wait(f"{DRAWN_PIXELS} > 10000")
+    before = page.run(DRAWN_PIXELS)
+    page.run(f"{by('mesh-size')}.value = '8'")
+    page.run(f"{by('mesh-button')}.click()")
+    page.wait(f"{by('quality-summary')}.innerText.includes('quad4')")
+    page.wait("document.querySelector('[data-view=mesh]').getAttribute('aria-selected') === 'true'")
+    assert "1 component" in page.run(f"{by('quality-summary')}.innerText")
+    page.wait(f"{DRAWN_PIXELS} !== {before}")
+    for name, start in (("nastran", b"$"), ("gmsh", b"$MeshFormat")):
+        choose(page, by("deck-format"), name)
+        link = page.run(f"{by('download-deck')}.href")
+        assert link.startswith(url) and urllib.request.urlopen(link, timeout=30).read().startswith(start)
+
+
+def test_a_file_is_opened_and_a_wrong_one_is_refused_with_its_place(page, tmp_path):
+    page.give_file("[data-testid=open-model]", EXAMPLES / "pipe.csg")
+    page.wait("document.querySelectorAll('[data-testid=segment-row]').length === 1")
+    assert types(page) == ["cylinder_plate"]
+    (tmp_path / "bad.csg").write_text("kube();\n")
+    page.give_file("[data-testid=open-model]", tmp_path / "bad.csg")
+    page.wait("!document.getElementById('message').hidden")
+    assert page.run("document.getElementById('message').textContent").startswith("bad.csg:1:1: ")
+
+
+def test_a_reload_shows_the_same_model(page):
+    open_example(page, "I-beam", 1)
+    page.open(page.run("location.href"))
+    page.wait("document.querySelectorAll('[data-testid=segment-row]').length === 1")
+    assert types(page) == ["beam"]
