@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from csg_membership import holds
 
-from kernel.csg.reader import read_file
+from kernel.csg.reader import read_file, read_model
 from kernel.csg.tree import walk
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
@@ -63,3 +63,16 @@ def test_the_volume_is_that_of_the_closed_form(name, language):
 
     evaluated = evaluate(read_file(str(EXAMPLES / f"{name}{language}.csg")))
     assert evaluated.solid.true_volume == pytest.approx(VOLUMES[name], rel=1e-6)
+
+
+def documented(language):
+    text = (EXAMPLES.parent / "docs" / "languages.md").read_text(encoding="utf-8")
+    return read_model(text.split(f"```{language}\n")[1].split("```")[0], "languages.md")
+
+
+def test_the_examples_of_the_documentation_are_what_it_says():
+    table, json_plate, plate = (documented(language) for language in ("padl", "json", "openscad"))
+    assert [model.language for model in (table, json_plate, plate)] == ["padl", "json", "openscad"]
+    assert [child.name for child in table.root.operands] == ["TOP", "LEG1", "LEG2", "LEG3", "LEG4"]
+    points = np.random.default_rng(5).uniform((-5, -5, -5), (60, 60, 15), (5000, 3))
+    assert np.array_equal(holds(json_plate.root, points), holds(plate.root, points))
