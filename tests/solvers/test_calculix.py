@@ -5,7 +5,7 @@ import pytest
 from handmade import cantilever, i_outline, shell_cantilever, solid_cantilever
 from joined import block_on_plate, half_beam_half_solid, lap_of_plates, post_on_plate
 from shapely import Point, affinity, box
-from solvers import run_calculix, run_mystran
+from verification.solvers import run_calculix, run_mystran
 
 from kernel.deck.calculix import calculix_self_weight, write
 from kernel.deck.nastran import nastran_self_weight

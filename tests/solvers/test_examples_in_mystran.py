@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from solvers import run_mystran
+from verification.solvers import run_mystran
 
 from app.pipeline import Meshed, classify, mesh, read
 from kernel.connect.model import Mpc, Rbe2

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from handmade import STEEL
 from joined import block_on_plate, half_beam_half_solid, lap_of_plates, post_on_plate
-from solvers import run_mystran
+from verification.solvers import run_mystran
 
 from kernel.deck.nastran import nastran_self_weight
 from kernel.units import unit_set

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from handmade import STEEL, cantilever, channel_outline, i_outline, shell_cantilever, solid_cantilever
 from shapely import affinity, box
-from solvers import run_mystran
+from verification.solvers import run_mystran
 
 from kernel.deck.nastran import nastran_self_weight
 from kernel.units import unit_set

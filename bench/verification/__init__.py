@@ -1,0 +1,1 @@
+"""Verification: cases with closed forms, meshed by csgmesh, solved by MYSTRAN and CalculiX."""
