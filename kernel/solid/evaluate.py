@@ -87,6 +87,9 @@ def evaluate(model: CsgModel) -> Evaluated:
             with _naming(part, paths[id(leaf)]):
                 check_numbers(part)
     shape = box_of_tree(model.root)
+    if not shape.size > 0.0:  # an intersection of parts whose boxes do not even meet
+        root = model.root
+        raise GeometryError(f"the {root.kind} at {_called(root, '/')} is empty, expected a solid", place=root.place)
     precision = model_precision(model, leaves, shape)
     angle_tolerance = SurfaceTable(precision, shape.size).angle_tolerance
     frame = choose_frame(_weigh(model.root), precision, angle_tolerance)
