@@ -255,8 +255,9 @@ class CarrierTable:
         """A new curve through `guide` (n, 3) on `surfaces`, whose ids in the surface table are `ids`."""
         points = project(guide, surfaces)
         key = tuple(sorted(ids))
+        steps = np.linalg.norm(np.diff(points, axis=0), axis=1)
         keep = np.ones(len(points), dtype=bool)
-        keep[1:] = np.linalg.norm(np.diff(points, axis=0), axis=1) > 4 * self.tolerance
+        keep[1:] = steps > min(4 * self.tolerance, 0.1 * float(steps.sum()))
         points = points[keep]
         if is_closed and np.linalg.norm(points[-1] - points[0]) <= 4 * self.tolerance:
             points = points[:-1]

@@ -30,8 +30,22 @@ def project(points: Array, surfaces: Sequence[Surface]) -> Array:
     for _ in range(_ITERATIONS):
         residual = np.stack([signed_distance(surface, moved) for surface in equations], axis=1)
         jacobian = np.stack([outward(surface, moved) for surface in equations], axis=1)
-        step = np.einsum("nij,nj->ni", np.linalg.pinv(jacobian, rcond=_SINGULAR), residual)
+        step = _least_step(jacobian, residual)
         moved = moved - step
         if np.abs(step).max() < 1e-15 * scale:
             break
     return moved
+
+
+def _least_step(jacobian: Array, residual: Array) -> Array:
+    """The shortest vectors (n, 3) with jacobian (n, k, 3) times step = residual (n, k)."""
+    if jacobian.shape[1] == 1:
+        return jacobian[:, 0] * residual
+    if jacobian.shape[1] == 2:
+        first, second = jacobian[:, 0], jacobian[:, 1]
+        cosine = np.einsum("ni,ni->n", first, second)[:, None]
+        sine_square = 1.0 - cosine * cosine
+        if (sine_square > _SINGULAR).all():
+            a, b = residual[:, :1], residual[:, 1:]
+            return ((a - cosine * b) * first + (b - cosine * a) * second) / sine_square
+    return np.einsum("nij,nj->ni", np.linalg.pinv(jacobian, rcond=_SINGULAR), residual)

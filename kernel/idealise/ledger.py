@@ -65,7 +65,7 @@ def _line(topology: Topology, sheet: Sheet, stretch: Stretch, count: int) -> NDA
 
 def _polyline_area(sheet: Sheet, flat: NDArray[np.float64]) -> float:
     x, y = flat[:, 0], flat[:, 1]
-    if sheet.period is not None:
+    if sheet.turn is not None:
         return float(-np.sum(0.5 * (y[1:] + y[:-1]) * np.diff(x)))
     return 0.5 * float(np.sum(x[:-1] * y[1:] - x[1:] * y[:-1]))
 

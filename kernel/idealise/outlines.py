@@ -150,9 +150,9 @@ def polyline(topology: Topology, stretch: Stretch) -> Array:
 def unwrapped(sheet: Sheet, points: Array) -> Array:
     """The points of a line (n, 3) in the sheet's coordinates, without jumps where it crosses the seam."""
     flat = sheet.flat(points)
-    if sheet.period is not None:
-        turns = np.round(np.diff(flat[:, 0]) / sheet.period)
-        flat[1:, 0] -= sheet.period * np.cumsum(turns)
+    if sheet.turn is not None:
+        turns = np.round(np.diff(flat[:, 0]) / sheet.turn)
+        flat[1:, 0] -= sheet.turn * np.cumsum(turns)
     return flat
 
 
@@ -164,22 +164,22 @@ def ring_points(topology: Topology, sheet: Sheet, ring: list[Stretch]) -> Array:
 
 
 def domain(topology: Topology, sheet: Sheet, rings: list[list[Stretch]]) -> PolygonLike:
-    """What the rings enclose, in the sheet's coordinates; a closed cylinder's is cut open at x = 0."""
+    """What the rings enclose, in the sheet's coordinates; a cylinder's is cut open at its seam."""
     lines = [ring_points(topology, sheet, ring) for ring in rings]
-    if sheet.period is None:
+    if isinstance(sheet, PlaneSheet):
         return even_odd([line for line in lines if len(line) > 3])
-    period = sheet.period
+    turn = sheet.turn
     low = min(float(line[:, 1].min()) for line in lines)
     high = max(float(line[:, 1].max()) for line in lines)
-    window = shapely.box(0.0, low - period, period, high + period)
-    copies = [shapely.LineString(line + (k * period, 0.0)) for line in lines for k in (-2, -1, 0, 1, 2)]
+    window = shapely.box(sheet.seam, low - turn, sheet.seam + turn, high + turn)
+    copies = [shapely.LineString(line + (k * turn, 0.0)) for line in lines for k in (-2, -1, 0, 1, 2)]
     grid = SEAM_GRID * topology.carriers.reach
     cut = shapely.intersection(shapely.union_all(copies, grid_size=grid), window, grid_size=grid)
     cells = shapely.polygonize(list(shapely.get_parts(shapely.union_all([cut, window.boundary], grid_size=grid))))
     kept = []
     for cell in shapely.get_parts(cells):
         inner = cell.representative_point()
-        below = shapely.LineString([(inner.x, low - 2 * period), (inner.x, inner.y)])
+        below = shapely.LineString([(inner.x, low - 2 * turn), (inner.x, inner.y)])
         if sum(not part.is_empty for part in shapely.get_parts(below.intersection(cut))) % 2:
             kept.append(cell)
     return shapely.union_all(kept) if kept else Polygon()

@@ -32,7 +32,7 @@ from kernel.idealise.outlines import (
     stretch_between,
     unwrapped,
 )
-from kernel.idealise.sheets import PlaneSheet, Sheet
+from kernel.idealise.sheets import CylinderSheet, PlaneSheet, Sheet
 from kernel.idealise.topology import Topology
 from kernel.idealise.walls import (
     CURVED_OVERLAP,
@@ -83,19 +83,21 @@ def join_walls(
             wall.outline, wall.region = outline_of(topology, wall, region, joint_carriers)
 
 
-def strip(topology: Topology, wall: Wall, crossing: Crossing, start: float, end: float) -> PolygonLike:
-    """The other wall's slab in this wall's sheet, along a stretch of the joint curve."""
+def strip(
+    topology: Topology, wall: Wall, crossing: Crossing, start: float, end: float, gap: float = 0.0
+) -> PolygonLike:
+    """The other wall's slab in this wall's sheet, along a stretch of the joint curve; `gap` thicker on each side."""
     carrier = topology.carrier(crossing.carrier)
     other = crossing.other(wall)
     margin = 0.0 if isinstance(carrier, Line) else CURVED_OVERLAP * min(wall.thickness, other.thickness)
     if carrier.period is not None and end - start >= carrier.period - topology.tolerance:
         middle = 0.5 * (start + end)
-        halves = [strip(topology, wall, crossing, a, b) for a, b in ((start, middle), (middle, end))]
+        halves = [strip(topology, wall, crossing, a, b, gap) for a, b in ((start, middle), (middle, end))]
         return shapely.union_all(halves)
     curve = samples(topology, carrier, start, end)
-    sides = [unwrapped(wall.sheet, side) for side in slab_edges(wall, other, curve, margin)]
-    if wall.sheet.period is not None:
-        sides[1] = sides[1] + (wall.sheet.period * np.round((sides[0][0, 0] - sides[1][0, 0]) / wall.sheet.period), 0.0)
+    sides = [unwrapped(wall.sheet, side) for side in slab_edges(wall, other, curve, margin + gap)]
+    if wall.sheet.turn is not None:
+        sides[1] = sides[1] + (wall.sheet.turn * np.round((sides[0][0, 0] - sides[1][0, 0]) / wall.sheet.turn), 0.0)
     polygon = Polygon(np.vstack([sides[0], sides[1][::-1]]))
     return windowed(wall.sheet, polygon if polygon.is_valid else polygon.buffer(0))
 
@@ -103,11 +105,14 @@ def strip(topology: Topology, wall: Wall, crossing: Crossing, start: float, end:
 def _region(topology: Topology, wall: Wall, crossings: list[Crossing], nearby: list[Segment]) -> PolygonLike:
     size = topology.carriers.reach
     grid = GRID * size
-    strips, slabs, cuts = [], [], []
+    strips, gaps, slabs, cuts = [], [], [], []
     for crossing in crossings:
         carrier = topology.carrier(crossing.carrier)
         other = crossing.other(wall)
         strips += [strip(topology, wall, crossing, *ends) for ends in crossing.reach[wall.index]]
+        gap = crossing.gap.get(wall.index, 0.0)
+        if gap:
+            gaps += [strip(topology, wall, crossing, *ends, gap) for ends in crossing.reach[wall.index]]
         slabs.append(strip(topology, wall, crossing, *whole_range(topology, carrier, wall.segment.solid.bounds)))
         beyond = CUT_BEYOND * 0.5 * other.thickness
         for intervals in crossing.reach.values():
@@ -117,10 +122,10 @@ def _region(topology: Topology, wall: Wall, crossings: list[Crossing], nearby: l
                 curve = samples(topology, carrier, start - more, end + more)
                 cuts.append(windowed(wall.sheet, LineString(unwrapped(wall.sheet, curve))))
     own = _without_dust(wall.own, shapely.union_all(slabs))
-    held = own.difference(shapely.union_all(strips)) if strips else own
+    held = own.difference(shapely.union_all([*strips, *gaps])) if strips or gaps else own
     material = shapely.union_all([wall.own, *_material(topology, wall, nearby)], grid_size=grid)
     grown = shapely.intersection(shapely.union_all([own, *strips], grid_size=grid), material, grid_size=grid)
-    grown = shapely.union_all(parts_of(grown))
+    grown = shapely.union_all(parts_of(shapely.union_all([grown, *gaps], grid_size=grid)))
     curves = shapely.union_all(cuts)
     lines = shapely.union_all([grown.boundary, curves], grid_size=grid)
     near_curves = curves.buffer(20 * grid)
@@ -170,7 +175,7 @@ def outline_of(
         polygon = shapely.geometry.polygon.orient(polygon)
         for ring in (polygon.exterior, *polygon.interiors):
             cuts = _ring_outline(topology, wall.sheet, np.asarray(ring.coords)[:, :2], lines, joint_carriers)
-            if cuts and wall.sheet.period is None:
+            if cuts and isinstance(wall.sheet, PlaneSheet):
                 rings.append(ring_points(topology, wall.sheet, [cut.stretch for cut in cuts]))
             outline += cuts
     return _joined_at_seam(topology, outline), even_odd(rings) if rings else region
@@ -301,8 +306,9 @@ def _labels(
             best[k], labels[k] = rank[k], number
     for k in np.nonzero(np.isinf(best))[0]:
         a, b = points[k], points[k + 1]
-        if sheet.period is not None and abs(a[0] - b[0]) < reach and (a[0] < reach or a[0] > sheet.period - reach):
-            continue
+        if isinstance(sheet, CylinderSheet) and abs(a[0] - b[0]) < reach:
+            if min(abs(a[0] - sheet.seam), abs(a[0] - sheet.seam - sheet.turn)) < reach:
+                continue
         labels[k] = _own_carrier(topology, sheet, a, b)
     return labels
 

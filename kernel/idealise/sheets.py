@@ -24,6 +24,7 @@ class PlaneSheet:
     offset: float
     u: Array
     v: Array
+    turn = None
     period = None
 
     def flat(self, points: Array) -> Array:
@@ -55,9 +56,19 @@ class CylinderSheet:
     is_closed: bool
 
     @property
+    def turn(self) -> float:
+        """Circumference: x and x + turn are the same place."""
+        return 2 * np.pi * self.radius
+
+    @property
+    def seam(self) -> float:
+        """The smallest x; the sheet is cut open there."""
+        return 0.0 if self.is_closed else -0.5 * self.turn
+
+    @property
     def period(self) -> float | None:
         """Circumference of a closed sheet."""
-        return 2 * np.pi * self.radius if self.is_closed else None
+        return self.turn if self.is_closed else None
 
     def flat(self, points: Array) -> Array:
         """Points (n, 3) in the sheet's coordinates (n, 2)."""
@@ -99,9 +110,9 @@ def plane_sheet_at(normal: Array, offset: float, u: Array, v: Array, table: Surf
     return PlaneSheet(number, plane, sign * plane.normal, sign * plane.offset, u, v)
 
 
-def cylinder_sheet(shape: CylinderShape, table: SurfaceTable, middle: float) -> CylinderSheet:
-    """The mid-cylinder of a cylinder-plate; middle: angle (radians) amid the material of an open one."""
+def cylinder_sheet(shape: CylinderShape, table: SurfaceTable, start: float, is_closed: bool) -> CylinderSheet:
+    """The mid-cylinder of a cylinder-plate; start: the angle (radians) at x = 0, amid the material of an open one."""
     number = table.cylinder(shape.axis_id, shape.mid_radius)
     surface = table.surfaces[number]
     assert isinstance(surface, CylinderSurface)
-    return CylinderSheet(number, surface, surface.axis, surface.radius, middle, shape.is_closed)
+    return CylinderSheet(number, surface, surface.axis, surface.radius, start, is_closed)

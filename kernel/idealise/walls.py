@@ -11,13 +11,13 @@ from numpy.typing import NDArray
 from shapely import Polygon
 
 from kernel.connect.joints import Joint
-from kernel.errors import MeshError
+from kernel.errors import ConnectError, MeshError
 from kernel.idealise.carriers import Carrier, Line, Traced
 from kernel.idealise.implicit import project
 from kernel.idealise.intersections import intersection
 from kernel.idealise.outlines import PolygonLike, Stretch, domain, trace_ring, unwrapped
 from kernel.idealise.rings import middle_angle, sheet_rings
-from kernel.idealise.sheets import Sheet, cylinder_sheet, plane_sheet
+from kernel.idealise.sheets import PlaneSheet, Sheet, cylinder_sheet, plane_sheet
 from kernel.idealise.topology import Topology
 from kernel.segment.segments import CylinderShape, PlateShape, Segment
 from kernel.solid.solid import Solid
@@ -28,6 +28,9 @@ Interval = tuple[float, float]
 
 CROSSING_SINE = 0.17
 """Mid-surfaces that meet at less than 10 degrees do not join in a curve: they lap."""
+
+SEAM_ANGLE = 0.7390851
+"""Where closed cylinders are cut open, in radians from their x axis: at no angle that a model would use."""
 
 CURVED_OVERLAP = 0.02
 """Share of the thinner wall by which strips beside curved joints overlap the walls: more than chords deviate."""
@@ -56,11 +59,16 @@ class Wall:
 
 @dataclass(slots=True, eq=False)
 class Crossing:
-    """The curve `carrier` in which the mid-surfaces of two walls meet, and where each wall's material reaches it."""
+    """The curve `carrier` in which the mid-surfaces of two walls meet, and where each wall's material reaches it.
+
+    gap: by wall, how far its mid-surface may end before the other's face: a wall that stands askew and is cut square
+    touches with one corner only.
+    """
 
     walls: tuple[Wall, Wall]
     carrier: int
     reach: dict[int, list[Interval]]
+    gap: dict[int, float] = field(default_factory=dict)
 
     def other(self, wall: Wall) -> Wall:
         """The wall on the far side."""
@@ -76,7 +84,9 @@ def make_wall(topology: Topology, index: int, segment: Segment) -> Wall:
         thickness = shape.thickness
     else:
         assert isinstance(shape, CylinderShape)
-        sheet = cylinder_sheet(shape, table, middle_angle(segment.solid, shape))
+        sheet = cylinder_sheet(shape, table, SEAM_ANGLE, is_closed=True)
+        if not any(_winds(sheet, ring.points) for ring in sheet_rings(segment.solid, sheet)):
+            sheet = cylinder_sheet(shape, table, middle_angle(segment.solid, shape), is_closed=False)
         thickness = shape.thickness
     rings = section_outline(topology, segment.solid, sheet)
     if not rings:
@@ -112,9 +122,9 @@ def section_outline(topology: Topology, solid: Solid, sheet: Sheet, onto: Sheet 
 
 def _encloses(sheet: Sheet, points: Array, tolerance: float) -> bool:
     """Whether the ring winds round a closed sheet, or is wider than a sliver."""
-    flat = unwrapped(sheet, np.vstack([points, points[:1]]))
-    if sheet.period is not None and abs(flat[-1, 0] - flat[0, 0]) > 0.5 * sheet.period:
+    if _winds(sheet, points):
         return True
+    flat = unwrapped(sheet, np.vstack([points, points[:1]]))
     x, y = flat[:, 0], flat[:, 1]
     area = 0.5 * abs(float(np.sum(x[:-1] * y[1:] - x[1:] * y[:-1])))
     length = float(np.linalg.norm(np.diff(flat, axis=0), axis=1).sum())
@@ -147,6 +157,14 @@ def corner_material(segments: Sequence[Segment], joints: Sequence[Joint], walls:
     return tuple(found)
 
 
+def _winds(sheet: Sheet, points: Array) -> bool:
+    """Whether a ring goes round a closed sheet."""
+    if sheet.turn is None:
+        return False
+    flat = unwrapped(sheet, np.vstack([points, points[:1]]))
+    return bool(abs(flat[-1, 0] - flat[0, 0]) > 0.5 * sheet.turn)
+
+
 # ---------------------------------------------------------------- crossings
 
 
@@ -170,10 +188,24 @@ def find_crossings(topology: Topology, walls: Sequence[Wall], joints: Sequence[J
                 for wall in pair:
                     wall.known.append(number)
     for crossing in found.values():
+        _refuse_tangents(topology, crossing)
+        for wall in crossing.walls:
+            crossing.reach[wall.index] = _reach(topology, crossing, wall)
+    reached = {
+        (crossing.carrier, wall.sheet.surface_id)
+        for crossing in found.values()
+        for wall in crossing.walls
+        if crossing.reach[wall.index]
+    }
+    for crossing in found.values():
         a, b = crossing.walls
         near = sorted((touching[a.segment.id] | touching[b.segment.id]) - {a.segment.id, b.segment.id})
         for wall in crossing.walls:
-            intervals = _reach(topology, crossing, wall)
+            # Where a coplanar neighbour reaches the curve, this wall is the part beyond it, not one cut askew.
+            if not crossing.reach[wall.index] and (crossing.carrier, wall.sheet.surface_id) not in reached:
+                crossing.gap[wall.index] = _askew_gap(topology, crossing, wall)
+                crossing.reach[wall.index] = _reach(topology, crossing, wall)
+            intervals = crossing.reach[wall.index]
             for third in near:
                 intervals = [_lengthened(topology, crossing.carrier, ends, by_id[third]) for ends in intervals]
             crossing.reach[wall.index] = merged(
@@ -265,12 +297,12 @@ def whole_range(topology: Topology, carrier: Carrier, near: Array) -> Interval:
 
 
 def windowed(sheet: Sheet, geometry: shapely.Geometry) -> shapely.Geometry:
-    """Geometry in unwrapped coordinates brought into 0..period of a closed sheet; as it is on others."""
-    if sheet.period is None or geometry.is_empty:
+    """Geometry in unwrapped coordinates brought within one turn of a cylinder; as it is on planes."""
+    if isinstance(sheet, PlaneSheet) or geometry.is_empty:
         return geometry
     low, high = geometry.bounds[1], geometry.bounds[3]
-    window = shapely.box(0.0, low - 1 - abs(low), sheet.period, high + 1 + abs(high))
-    copies = [shapely.transform(geometry, lambda at, k=k: at + (k * sheet.period, 0.0)) for k in (-2, -1, 0, 1, 2)]
+    window = shapely.box(sheet.seam, low - 1 - abs(low), sheet.seam + sheet.turn, high + 1 + abs(high))
+    copies = [shapely.transform(geometry, lambda at, k=k: at + (k * sheet.turn, 0.0)) for k in (-2, -1, 0, 1, 2)]
     return shapely.union_all([copy.intersection(window) for copy in copies])
 
 
@@ -282,6 +314,7 @@ def _reach(topology: Topology, crossing: Crossing, wall: Wall) -> list[Interval]
     margin = 0.3 * topology.tolerance if straight else CURVED_OVERLAP * min(wall.thickness, other.thickness)
     low, high = whole_range(topology, carrier, other.segment.solid.bounds)
     curve = samples(topology, carrier, low, high)
+    margin += crossing.gap.get(wall.index, 0.0)
     intervals: list[Interval] = []
     for edge in slab_edges(wall, other, curve, margin):
         line = windowed(wall.sheet, shapely.LineString(unwrapped(wall.sheet, edge)))
@@ -291,6 +324,33 @@ def _reach(topology: Topology, crossing: Crossing, wall: Wall) -> list[Interval]
             values = carrier.parameters(wall.sheet.lift(np.asarray(piece.coords)))
             intervals.append(_unrolled_range(values, carrier.period))
     return merged(intervals, 10 * topology.tolerance, carrier.period)
+
+
+def _askew_gap(topology: Topology, crossing: Crossing, wall: Wall) -> float:
+    """How far the mid-surface of a wall cut square ends before the face of one that it meets askew."""
+    carrier = topology.carrier(crossing.carrier)
+    other = crossing.other(wall)
+    low, high = whole_range(topology, carrier, other.segment.solid.bounds)
+    point = carrier.at(np.array([0.5 * (low + high)]))
+    cosine = float(abs(wall.sheet.normals(point)[0] @ other.sheet.normals(point)[0]))
+    return 0.5 * wall.thickness * cosine / float(np.sqrt(1 - cosine * cosine)) + topology.tolerance
+
+
+def _refuse_tangents(topology: Topology, crossing: Crossing) -> None:
+    """ConnectError where two mid-surfaces touch somewhere on the curve in which they meet."""
+    carrier = topology.carrier(crossing.carrier)
+    if isinstance(carrier, Line):
+        return
+    a, b = crossing.walls
+    points = samples(topology, carrier, *whole_range(topology, carrier, a.segment.solid.bounds))
+    sine = np.linalg.norm(np.cross(a.sheet.normals(points), b.sheet.normals(points)), axis=1)
+    worst = int(np.argmin(sine))
+    if sine[worst] < CROSSING_SINE:
+        x, y, z = points[worst]
+        raise ConnectError(
+            f"the mid-surfaces of {a.segment.id} and {b.segment.id} meet at no angle near ({x:.6g}, {y:.6g}, {z:.6g}) "
+            "(walls of nearly equal radius), expected 10 degrees or more: one of them may be made a brick"
+        )
 
 
 def _unrolled_range(values: Array, period: float | None) -> Interval:

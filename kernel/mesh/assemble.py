@@ -43,6 +43,10 @@ def _silent(stage: str, share: float) -> None:
     """Progress that nobody asked for."""
 
 
+ALWAYS_SECOND_ORDER = ("tet4",)
+"""A linear tetrahedron has constant strain and locks in bending: tetrahedra get mid-side nodes whatever the order."""
+
+
 def assemble(
     evaluated: Evaluated,
     segments: Sequence[Segment],
@@ -82,8 +86,9 @@ def assemble(
     report("meshed", 0.9)
     ties = make_ties(Meshed(parts, curves, faces, bricks, seated, nodes.points))
     mesh = Mesh(nodes.points, tuple(block for segment in segments for block in blocks[segment.id]))
-    if options.order == 2:
-        mesh, ties, drawn = raise_order(mesh, ties, parts, curves, faces, bricks)
+    raised = None if options.order == 2 else ALWAYS_SECOND_ORDER
+    if raised is None or any(block.kind in raised for block in mesh.blocks):
+        mesh, ties, drawn = raise_order(mesh, ties, parts, curves, faces, bricks, raised)
         if drawn:
             parts.warnings.append(f"{drawn} mid-side nodes were drawn back from their curves: the elements are coarse")
     report("tied", 1.0)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -33,8 +33,12 @@ def raise_order(
     curves: Sequence[SeededCurve],
     faces: dict[str, FaceMesh],
     bricks: dict[str, BrickMesh],
+    kinds: Collection[str] | None = None,
 ) -> tuple[Mesh, tuple[Tie, ...], int]:
-    """(mesh of second order, ties with mid-side nodes, number of mid-side nodes drawn back from their surface)."""
+    """(mesh of second order, ties with mid-side nodes, number of mid-side nodes drawn back from their surface).
+
+    kinds: raise elements of these kinds only, None for all.
+    """
     edges: list[Indices] = [np.empty((0, 2), np.int64)]
     places: list[Array] = [np.empty((0, 3))]
     for found in (
@@ -44,7 +48,7 @@ def raise_order(
     ):
         edges.append(found[0])
         places.append(found[1])
-    raised, drawn = curved(mesh, places_on(np.concatenate(edges), np.concatenate(places)))
+    raised, drawn = curved(mesh, places_on(np.concatenate(edges), np.concatenate(places)), kinds)
     return raised, tuple(_tied(ties, raised)), drawn
 
 
@@ -71,6 +75,8 @@ def _middle_nodes(mesh: Mesh) -> dict[Edge, int]:
     found: dict[Edge, int] = {}
     for block in mesh.blocks:
         kind = ELEMENT_KINDS[block.kind]
+        if kind.order == 1:
+            continue
         for place, (a, b) in enumerate(kind.edges):
             pairs = np.sort(block.connectivity[:, [a, b]], axis=1).tolist()
             for pair, middle in zip(pairs, block.connectivity[:, kind.n_corner + place].tolist()):

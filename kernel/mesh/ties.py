@@ -70,8 +70,14 @@ class Meshed:
 def make_ties(meshed: Meshed) -> tuple[Tie, ...]:
     """The ties of all joints that do not share nodes. ConnectError, by joint, where one cannot be made."""
     ties: list[Tie] = []
+    walls: dict[tuple[str, str], list[Joint]] = {}
     for joint in meshed.parts.joints:
-        ties += _joint_ties(meshed, joint)
+        if all(name in meshed.parts.walls for name in joint.segments):
+            walls.setdefault(joint.segments, []).append(joint)
+        else:
+            ties += _joint_ties(meshed, joint)
+    for (first, second), joints in walls.items():
+        ties += _wall_on_wall(meshed, joints, meshed.parts.walls[first], meshed.parts.walls[second])
     return tuple(ties)
 
 
@@ -92,8 +98,6 @@ def _joint_ties(meshed: Meshed, joint: Joint) -> list[Tie]:
             return _beam_on_wall(meshed, joint, parts.beams[kinds["beam"][0]], parts.walls[kinds["wall"][0]])
         case (1, 0, 1):
             return _beam_on_brick(meshed, joint, parts.beams[kinds["beam"][0]], kinds["brick"][0])
-        case (0, 2, 0):
-            return _wall_on_wall(meshed, joint, parts.walls[kinds["wall"][0]], parts.walls[kinds["wall"][1]])
         case (0, 1, 1):
             return _brick_on_wall(meshed, joint, parts.walls[kinds["wall"][0]], kinds["brick"][0])
         case _:
@@ -295,30 +299,40 @@ def _average(joint: Joint, node: int, faces: SurfaceFaces, patch: shapely.Geomet
 # ---------------------------------------------------------------- walls
 
 
-def _wall_on_wall(meshed: Meshed, joint: Joint, first: Wall, second: Wall) -> list[Tie]:
-    """Nothing where the two share curves; else the smaller one's nodes on the larger one's elements."""
+def _wall_on_wall(meshed: Meshed, joints: list[Joint], first: Wall, second: Wall) -> list[Tie]:
+    """Nothing where the two share curves; else the nodes of the one in a contact follow the other's elements.
+
+    joints: all contacts of the two. One of them must do: the largest first, the smaller wall's nodes first.
+    """
     if any(first.index in seeded.curve.uses and second.index in seeded.curve.uses for seeded in meshed.curves):
         return []
     if _joined_through_others(meshed, first, second):
         return []
-    small, large = sorted((first, second), key=lambda wall: (wall.region.area, wall.index))
-    surface = meshed.surface(joint)
-    patch = joint.patch.buffer(20 * meshed.parts.topology.tolerance)
-    if joint.kind != "lap":
-        patch = joint.patch.buffer(0.6 * max(first.thickness, second.thickness))
-    face = meshed.faces[small.segment.id]
-    nodes = face.nodes
-    if joint.kind != "lap":
-        nodes = np.array(_edge_nodes(meshed, small, joint), dtype=np.int64)
-    flat = flatten(surface, meshed.points[nodes])
-    inside = shapely.contains_xy(patch, flat[:, 0], flat[:, 1])
-    chosen = np.sort(nodes[inside])
-    if not len(chosen):
-        raise ConnectError(
-            f"{joint.id}: {first.segment.id} and {second.segment.id} touch without a common curve, and "
-            f"{small.segment.id} has no node in their {joint.area:.6g} of contact"
-        )
-    return [_interpolated(meshed, joint, chosen, large, has_rotations=True)]
+    by_area = sorted((first, second), key=lambda wall: (wall.region.area, wall.index))
+    for joint in sorted(joints, key=lambda joint: (-joint.area, joint.id)):
+        for follower, host in (by_area, by_area[::-1]):
+            chosen = _contact_nodes(meshed, joint, follower, host)
+            if len(chosen) > 1:
+                return [_interpolated(meshed, joint, chosen, host, has_rotations=True)]
+    names = ", ".join(joint.id for joint in joints)
+    raise ConnectError(
+        f"{first.segment.id} and {second.segment.id} touch ({names}) without a common curve, and neither has nodes in "
+        "the contact that the other could hold: a smaller size or another type is needed for one of them"
+    )
+
+
+def _contact_nodes(meshed: Meshed, joint: Joint, follower: Wall, host: Wall) -> Indices:
+    """Nodes of a wall within a contact: inside the patch of a lap, on the outline where the wall ends there."""
+    if joint.kind == "lap":
+        nodes = meshed.faces[follower.segment.id].nodes
+        patch = joint.patch.buffer(20 * meshed.parts.topology.tolerance)
+    else:
+        if not edge_carriers(meshed.parts.topology, follower, joint):
+            return np.empty(0, np.int64)
+        nodes = np.array(_edge_nodes(meshed, follower, joint), dtype=np.int64)
+        patch = joint.patch.buffer(0.6 * max(follower.thickness, host.thickness))
+    flat = flatten(meshed.surface(joint), meshed.points[nodes])
+    return np.sort(nodes[shapely.contains_xy(patch, flat[:, 0], flat[:, 1])])
 
 
 def _joined_through_others(meshed: Meshed, first: Wall, second: Wall) -> bool:

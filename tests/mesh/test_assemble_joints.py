@@ -68,7 +68,8 @@ JOINTS = {
         cube(306, 306, 6),
     ),
     "hull with skew corners": difference(
-        extrusion(list(HULL.exterior.coords)[:-1], 150), extrusion(list(HULL_INSIDE.exterior.coords)[:-1], 150, (0, 0, 6))
+        extrusion(list(HULL.exterior.coords)[:-1], 150),
+        extrusion(list(HULL_INSIDE.exterior.coords)[:-1], 150, (0, 0, 6)),
     ),
     "box, turned": placed(box(400, 300, 200, 6), (10, 20, 30), turned("x", 20) @ turned("y", 35)),
     "box with a partition and a hole through it all": difference(
@@ -84,7 +85,9 @@ JOINTS = {
         union(cube(400, 300, 10), rod(200, 50, (52, 120, 0))), rod(300, 45, (52, 120, -1))
     ),
     "pipe with a flange at its end": difference(
-        union(rod(10, 150), rod(200, 90)), rod(300, 85, (0, 0, -50)), *(rod(20, 8, (120 * x, 120 * y, -5)) for x, y in ((1, 0), (-1, 0), (0, 1), (0, -1)))
+        union(rod(10, 150), rod(200, 90)),
+        rod(300, 85, (0, 0, -50)),
+        *(rod(20, 8, (*(120 * turned("z", a)[:2, 0]), -5)) for a in (0, 90, 180, 270)),
     ),
     "lap with a tee under it": union(
         cube(200, 100, 8), cube(200, 100, 6, (150, 0, 8)), cube(200, 8, 80, (0, 46, -80))
