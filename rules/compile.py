@@ -155,7 +155,9 @@ def holds(operator: str, a: float, b: float, measured: bool) -> bool:
 class Compiler:
     """Compiles each expression and condition of a rule base once; told apart by identity, as the base keeps them."""
 
-    def __init__(self, parameters: Mapping[str, float]) -> None:
+    def __init__(self, parameters: Mapping[str, float], words: Mapping[str, tuple[Condition, ...]]) -> None:
+        """words: the conditions of the rules that conclude each word."""
+        self.words = words
         self._parameters = parameters
         self._expressions: dict[int, tuple[Expression, Evaluate]] = {}
         self._conditions: dict[int, tuple[Condition, Match]] = {}

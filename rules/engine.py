@@ -125,7 +125,10 @@ class RuleBase:
         """For texts and explanations: the value of an expression, the outcome of a condition, each compiled once."""
         from rules.compile import Compiler
 
-        return Compiler(self.values)
+        words = {
+            word: tuple(rule.condition for rule in self.rules if rule.word == word) for word in self.definition.words
+        }
+        return Compiler(self.values, words)
 
     @cached_property
     def matches(self) -> tuple[Match, ...]:

@@ -19,7 +19,7 @@ from rules.logic import MAY_BE_TRUE, TRUE
 from rules.resolve import EQUAL_CERTAINTY, Candidate, Verdict
 from rules.syntax import Expression
 from rules.template import format_value
-from rules.trace import Reading, failing, readings, state_of
+from rules.trace import Reading, Tracer, state_of
 
 if TYPE_CHECKING:
     from rules.engine import RuleBase
@@ -201,8 +201,9 @@ def _rejected(
         key = (strength if strength is not None else -math.inf, BANDS.index(rule.band), rule.certainty)
         if rule.segment not in nearest or key > nearest[rule.segment][0]:
             nearest[rule.segment] = (key, rule)
+    tracer = Tracer(base.compiler, view)
     for type_, (_, rule) in nearest.items():
-        against = "; ".join(dict.fromkeys(r.text for r in failing(rule.condition, view, base.compiler)))
+        against = "; ".join(dict.fromkeys(r.text for r in tracer.failing(rule.condition)))
         rejected[type_] = Rejected(type_, rule.id, against)
     return tuple(rejected[type_] for type_ in CONCLUSIONS if type_ in rejected)
 
@@ -268,7 +269,7 @@ def explain(base: RuleBase, facts: Facts) -> Explanation:
 
 def _nearest_text(base: RuleBase, rule: Rule, view: View, margin: float) -> str:
     """The comparison whose distance the margin is, and its rule; the rule alone where a word stands between."""
-    for reading in readings(rule.condition, view, base.compiler):
+    for reading in Tracer(base.compiler, view).readings(rule.condition):
         if reading.strength is not None and abs(abs(reading.strength) - margin) <= 1e-12:
             return f"{reading.text} (rule {rule.id})"
     return f"rule {rule.id}"
@@ -284,6 +285,6 @@ def _report(base: RuleBase, index: int, rule: Rule, view: View) -> RuleReport:
         rule.certainty,
         state_of(outcome),
         because_of(base, rule, view) if outcome == TRUE else "",
-        tuple(readings(rule.condition, view, base.compiler)),
+        tuple(Tracer(base.compiler, view).readings(rule.condition)),
         str(rule.place),
     )

@@ -20,7 +20,7 @@ from rules.definition import BANDS, PREFERENCE, Rule
 from rules.engine import RuleBase, load_rule_base, rule_base_from_text
 from rules.problems import RuleProblems
 from rules.resolve import EQUAL_CERTAINTY, combined
-from rules.syntax import Condition, ParameterRef, QuantityRef, WordRef, text_of, walk
+from rules.syntax import ParameterRef, QuantityRef, WordRef, text_of, walk
 from rules.template import Field
 
 MAX_GAPS = 12
@@ -116,11 +116,7 @@ def _unreadable(error: RuleError) -> CheckReport:
 def check_base(base: RuleBase) -> CheckReport:
     """Findings on a rule base that reads well."""
     findings = _unused(base)
-    words: dict[str, list[Condition]] = {}
-    for rule in base.rules:
-        if rule.word is not None:
-            words.setdefault(rule.word, []).append(rule.condition)
-    regions = Regions(base.compiler, words)
+    regions = Regions(base.compiler)
     boxes: dict[str, list[Box]] = {}
     for rule in base.rules:
         try:
@@ -141,7 +137,7 @@ def check_base(base: RuleBase) -> CheckReport:
     findings += _contradictory(live, boxes)
     findings += _gaps(live, boxes)
     order = {"error": 0, "warning": 1, "note": 2}
-    findings.sort(key=lambda f: (order[f.severity], f.kind, str(f.place), f.message))
+    findings.sort(key=lambda f: (order[f.severity], f.kind, str(f.place), f.message if f.kind != "gap" else ""))
     return CheckReport(base.name, base.version, len(base.rules), tuple(findings))
 
 

@@ -11,7 +11,7 @@ from rules.analysis.cases import Describe, facts_of
 from rules.compile import View
 from rules.engine import RuleBase
 from rules.logic import TRUE
-from rules.trace import readings
+from rules.trace import Tracer
 
 
 @dataclass(frozen=True, slots=True)
@@ -122,9 +122,10 @@ def coverage(base: RuleBase, describe: Describe | None = None) -> CoverageReport
 
 
 def _count(base: RuleBase, view: View, held: dict[str, int], states: dict[str, dict[str, list[int]]]) -> None:
+    tracer = Tracer(base.compiler, view)
     for index, rule in enumerate(base.rules):
         held[rule.id] += base.matches[index](view) == TRUE
-        for reading in readings(rule.condition, view, base.compiler):
+        for reading in tracer.readings(rule.condition):
             counts = states[rule.id].setdefault(reading.condition, [0, 0])
             if reading.state == "holds":
                 counts[0] += 1

@@ -167,7 +167,7 @@ class Box:
         for key, extent in sorted(other.extents.items()):
             mine = rest.get(key, _everything(extent))
             for part in extent.outside():
-                met = mine.meet(part)  # type: ignore[arg-type]
+                met = _whole_if_counted(key, mine.meet(part))  # type: ignore[arg-type]
                 if not met.is_empty and _is_possible(key, met):
                     left.append(Box({**rest, key: met}, self.is_part))
             rest[key] = mine.meet(extent)  # type: ignore[arg-type]
@@ -206,9 +206,8 @@ def _natural(key: str) -> Interval:
 class Regions:
     """The boxes of the conditions of one rule base."""
 
-    def __init__(self, compiler: Compiler, words: Mapping[str, list[Condition]]) -> None:
+    def __init__(self, compiler: Compiler) -> None:
         self._compiler = compiler
-        self._words = words
         self._of_words: dict[tuple[str, bool], list[Box]] = {}
 
     def boxes(self, condition: Condition) -> list[Box]:
@@ -228,7 +227,7 @@ class Regions:
                 return [replace(box, is_part=True) for box in boxes] if negated else boxes
             case WordRef(name=name):
                 if (name, negated) not in self._of_words:
-                    makers = tuple(self._words.get(name, ()))
+                    makers = self._compiler.words[name]
                     self._of_words[name, negated] = self._all(makers, True) if negated else self._any(makers, False)
                 return self._of_words[name, negated]
             case Compare():
@@ -279,7 +278,7 @@ class Regions:
         key = text_of(left)
         boxes = []
         for part in _intervals(operator, float(limit)):
-            whole = _whole(part) if key in SPECS and SPECS[key].dimension == "count" else part
+            whole = _whole_if_counted(key, part)
             if not whole.is_empty and _is_possible(key, whole):
                 boxes.append(Box({key: whole}))
         return boxes
@@ -300,6 +299,11 @@ def _intervals(operator: str, limit: float) -> Iterator[Interval]:
         case _:
             yield Interval(high=limit, high_open=True)
             yield Interval(low=limit, low_open=True)
+
+
+def _whole_if_counted(key: str, extent: Extent) -> Extent:
+    counts = key in SPECS and SPECS[key].dimension == "count"
+    return _whole(extent) if counts and isinstance(extent, Interval) else extent
 
 
 def _whole(part: Interval) -> Interval:

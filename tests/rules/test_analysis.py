@@ -65,11 +65,11 @@ def test_a_missing_file_is_a_finding():
         "volume < 0",
         "extent_long > extent_short, extent_long <= extent_short",
         "free_length is known, free_length is unknown",
-        "{any: [{all: [fill > 0.5, fill < 0.2]}, wall_count < 0]}",
+        "{any: [fill > 0.5 and fill < 0.2, wall_count < 0]}",
     ],
 )
 def test_a_rule_that_can_never_hold_is_unreachable(when):
-    found = findings(rule("r", when.replace("{all: [fill > 0.5, fill < 0.2]}", "'fill > 0.5 and fill < 0.2'")))
+    found = findings(rule("r", when))
     assert len(found) == 1
     assert found[0].startswith("unreachable: the rule 'r' never holds: ")
 

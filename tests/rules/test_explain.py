@@ -35,6 +35,18 @@ def test_a_rejected_alternative_names_the_condition_that_failed():
     assert rejected["cut"].because == "neck_share 0, needs > 0.3 (worth_cutting)"
 
 
+def test_a_word_that_fails_says_what_keeps_its_rules_from_holding():
+    facts = Facts(
+        {**BLOCK, **NO_WALLS, "is_prismatic": False, "volume_deviation": 0.1, "sections_off": 4, "worst_section_off": 0.2,
+         "prism_length": 12.0, "section_long": 1.0}, "necks"
+    )  # fmt: skip
+    rejected = {item.type: item for item in load_rule_base().decide(facts).rejected}
+    assert rejected["beam"].because == (
+        "swept no, needs yes (is_prismatic no, needs yes; volume_deviation 0.1, needs <= 0.03 (bolt_hole_volume) "
+        "and sections_off 4, needs <= 3 (bolt_hole_sections))"
+    )
+
+
 @pytest.mark.parametrize(
     ("length", "type_", "margin"),
     [(499.0, "brick", 0.002), (500.0, "beam", 0.0), (520.0, "beam", 0.04), (600.0, "beam", 0.2), (400.0, "brick", 0.2)],
