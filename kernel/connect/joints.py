@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -31,3 +32,12 @@ class Joint:
     patch: Polygon | MultiPolygon
     centre: NDArray[np.float64]
     normal: NDArray[np.float64]
+
+
+def joints_by_segment(joints: Iterable[Joint]) -> dict[str, list[Joint]]:
+    """The joints of each segment that has any, in their order."""
+    found: dict[str, list[Joint]] = {}
+    for joint in joints:
+        for name in joint.segments:
+            found.setdefault(name, []).append(joint)
+    return found

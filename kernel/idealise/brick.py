@@ -18,7 +18,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from kernel.connect.joints import Joint
+from kernel.connect.joints import Joint, joints_by_segment
 from kernel.errors import MeshError
 from kernel.idealise.footprints import footprint
 from kernel.idealise.imprints import Candidate, imprint, lay_outlines
@@ -87,12 +87,11 @@ def sweep_directions(segments: Sequence[Segment], joints: Sequence[Joint], walls
             others = [sweep.direction for sweep in sweeps(segment.solid) if sweep.is_exact]
             options[segment.id] = [_upward(direction) for direction in (segment.shape.sweep, *others)]
     by_id = {segment.id: segment for segment in segments}
+    by_segment = joints_by_segment(joints)
     found: dict[str, Array] = {}
     for name, directions in options.items():
         weights = [0.0] * len(directions)
-        for joint in joints:
-            if name not in joint.segments:
-                continue
+        for joint in by_segment.get(name, []):
             other = next(one for one in joint.segments if one != name)
             for place, direction in enumerate(directions):
                 if not _across(by_id[name], joint, direction):
@@ -118,10 +117,10 @@ def group_bricks(
     directions = sweep_directions(segments, joints, walls)
     groups: list[SweepGroup] = []
     candidates: list[Candidate] = []
+    by_segment = joints_by_segment(joints)
     for names in _connected(by_id, joints, directions):
-        group, wanted = _make_group(
-            [by_id[name] for name in names], directions[names[0]], joints, walls, by_id, topology
-        )
+        own = [joint for name in names for joint in by_segment.get(name, [])]
+        group, wanted = _make_group([by_id[name] for name in names], directions[names[0]], own, walls, by_id, topology)
         groups.append(group)
         candidates += wanted
     return groups, candidates

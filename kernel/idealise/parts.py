@@ -54,16 +54,18 @@ class Parts:
         neighbours = self.neighbours()
         order = {name: position for position, name in enumerate(self.segments)}
         around: dict[int, set[str]] = {}
+        reach: dict[int, float] = {}
         for crossing in crossings:
             for wall in crossing.walls:
+                other = crossing.other(wall)
                 names = around.setdefault(wall.index, set())
-                names.update(neighbours[wall.segment.id], neighbours[crossing.other(wall).segment.id])
+                names.update(neighbours[wall.segment.id], neighbours[other.segment.id])
+                reach[wall.index] = max(reach.get(wall.index, 0.0), other.thickness)
         result: dict[int, list[Segment]] = {}
         walls = {wall.index: wall for wall in self.walls.values()}
         for index, names in around.items():
             own = walls[index].segment
-            reach = max(walls[c.other(walls[index]).index].thickness for c in crossings if walls[index] in c.walls)
-            low, high = own.solid.bounds[0] - 2 * reach, own.solid.bounds[1] + 2 * reach
+            low, high = own.solid.bounds[0] - 2 * reach[index], own.solid.bounds[1] + 2 * reach[index]
             result[index] = [
                 self.segments[name]
                 for name in sorted(names - {own.id}, key=lambda name: order[name])

@@ -23,7 +23,7 @@ from kernel.idealise.topology import BOUNDARY, Topology
 from kernel.idealise.walls import corner_material, find_crossings, make_wall
 from kernel.mesh.beams import mesh_beams
 from kernel.mesh.bricks import mesh_bricks
-from kernel.mesh.faces import FaceMesh, SeededCurve, mesh_face, seed_curves
+from kernel.mesh.faces import CurvesByFace, FaceMesh, SeededCurve, curves_by_face, mesh_face, seed_curves
 from kernel.mesh.mesh import ElementBlock, Mesh
 from kernel.mesh.nodes import NodeTable
 from kernel.mesh.options import MeshOptions
@@ -72,19 +72,20 @@ def assemble(
         nodes,
     )
     blocks: dict[str, list[ElementBlock]] = {segment.id: [] for segment in segments}
-    faces = _mesh_faces(parts, curves, sizes, options.faces, nodes, report)
+    by_face = curves_by_face(curves)
+    faces = _mesh_faces(parts, by_face, sizes, options.faces, nodes, report)
     for name, face in faces.items():
         blocks[name] += _blocks(name, face)
-    bricks = mesh_bricks(parts, curves, faces, sizes, options, nodes)
+    bricks = mesh_bricks(parts, by_face, faces, sizes, options, nodes)
     for name, brick in bricks.items():
         blocks[name] += brick.blocks
     for joint in parts.joints:
         beam_stations(parts, joint, sizes)
-    lines, seated = mesh_beams(parts, curves, sizes, nodes)
+    lines, seated = mesh_beams(parts, by_face, sizes, nodes)
     for name, block in lines.items():
         blocks[name].append(block)
     report("meshed", 0.9)
-    ties = make_ties(Meshed(parts, curves, faces, bricks, seated, nodes.points))
+    ties = make_ties(Meshed(parts, by_face, faces, bricks, seated, nodes.points))
     mesh = Mesh(nodes.points, tuple(block for segment in segments for block in blocks[segment.id]))
     raised = None if options.order == 2 else ALWAYS_SECOND_ORDER
     if raised is None or any(block.kind in raised for block in mesh.blocks):
@@ -120,7 +121,8 @@ def idealise(segments: Sequence[Segment], joints: Sequence[Joint], size: float, 
         if segment.type == "beam" and segment.id not in parts.absorbed:
             parts.beams[segment.id] = make_beam(segment)
     segments = [segment for segment in segments if segment.id not in parts.absorbed]
-    joints = parts.joints = tuple(joint for joint in joints if not set(parts.absorbed) & set(joint.segments))
+    absorbed = set(parts.absorbed)
+    joints = parts.joints = tuple(joint for joint in joints if absorbed.isdisjoint(joint.segments))
     parts.warnings += [f"{name} is the material of a corner of walls: it has no elements" for name in parts.absorbed]
     walls = list(parts.walls.values())
     crossings = find_crossings(topology, walls, joints)
@@ -150,16 +152,12 @@ def _size_of(segment: Segment, options: MeshOptions, size: float) -> float:
 
 def _mesh_faces(
     parts: Parts,
-    curves: Sequence[SeededCurve],
+    by_face: CurvesByFace,
     sizes: dict[str, float],
     kind: str,
     nodes: NodeTable,
     report: Progress,
 ) -> dict[str, FaceMesh]:
-    by_face: dict[int, list[SeededCurve]] = {}
-    for seeded in curves:
-        for face in seeded.curve.uses:
-            by_face.setdefault(face, []).append(seeded)
     faces = {}
     for name, wall in parts.walls.items():
         label = f"{name} ({wall.segment.node})"

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,7 +10,7 @@ from kernel.connect.joints import Joint
 from kernel.idealise.beam import Beam, divide
 from kernel.idealise.footprints import Seat
 from kernel.idealise.parts import Parts
-from kernel.mesh.faces import SeededCurve
+from kernel.mesh.faces import CurvesByFace
 from kernel.mesh.mesh import ElementBlock
 from kernel.mesh.nodes import NodeTable
 
@@ -26,7 +25,7 @@ class SeatedNode:
 
 
 def mesh_beams(
-    parts: Parts, curves: Sequence[SeededCurve], sizes: dict[str, float], nodes: NodeTable
+    parts: Parts, curves: CurvesByFace, sizes: dict[str, float], nodes: NodeTable
 ) -> tuple[dict[str, ElementBlock], dict[str, list[SeatedNode]]]:
     """Line elements of every beam, and the nodes that sit on walls, both by segment id; sets the beams' nodes."""
     blocks: dict[str, ElementBlock] = {}
@@ -57,13 +56,13 @@ def mesh_beams(
 
 
 def _nodes_along(
-    parts: Parts, beam: Beam, seat: Seat, curves: Sequence[SeededCurve], nodes: NodeTable
+    parts: Parts, beam: Beam, seat: Seat, curves: CurvesByFace, nodes: NodeTable
 ) -> list[tuple[int, float]]:
     """The wall's nodes on the seat, and the beam's offsets beside them."""
     slack = 8 * parts.topology.tolerance
     found: dict[int, float] = {}
-    for seeded in curves:
-        if seeded.curve.carrier == seat.carrier and seat.wall.index in seeded.curve.uses:
+    for seeded in curves.get(seat.wall.index, []):
+        if seeded.curve.carrier == seat.carrier:
             for node, offset in zip(seeded.nodes.tolist(), nodes.points[seeded.nodes] @ beam.direction):
                 if seat.start - slack <= offset <= seat.end + slack:
                     found[node] = beam.offset_of(offset * beam.direction)

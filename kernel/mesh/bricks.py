@@ -14,7 +14,7 @@ from kernel.idealise.brick import SweepGroup, SweptBrick
 from kernel.idealise.parts import Parts
 from kernel.idealise.walls import Wall
 from kernel.mesh.elements import ELEMENT_KINDS
-from kernel.mesh.faces import FaceMesh, SeededCurve, curve_middles, mesh_face, seed_curves
+from kernel.mesh.faces import CurvesByFace, FaceMesh, curve_middles, mesh_face, seed_curves
 from kernel.mesh.mesh import ElementBlock
 from kernel.mesh.nodes import NodeTable
 from kernel.mesh.options import MeshOptions
@@ -41,7 +41,7 @@ class BrickMesh:
 
 def mesh_bricks(
     parts: Parts,
-    curves: Sequence[SeededCurve],
+    curves: CurvesByFace,
     faces: dict[str, FaceMesh],
     sizes: dict[str, float],
     options: MeshOptions,
@@ -100,9 +100,9 @@ def _own_section(group: SweepGroup, size: float, kind: str) -> _Section:
     return _section(face, np.empty(0, np.int64), *curve_middles(group.topology, curves))
 
 
-def _host_section(parts: Parts, wall: Wall, curves: Sequence[SeededCurve], face: FaceMesh) -> _Section:
+def _host_section(parts: Parts, wall: Wall, curves: CurvesByFace, face: FaceMesh) -> _Section:
     """The elements of the wall that the group stands on."""
-    own = [seeded for seeded in curves if wall.index in seeded.curve.uses]
+    own = curves.get(wall.index, [])
     return _section(face, face.nodes, *curve_middles(parts.topology, own))
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -29,6 +29,9 @@ class SeededCurve:
     curve: Curve
     nodes: Indices
     is_curved: bool
+
+
+CurvesByFace = Mapping[int, Sequence[SeededCurve]]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -61,6 +64,15 @@ def seed_curves(
         first, last = (numbers[vertex] for vertex in curve.vertices)
         seeded.append(SeededCurve(curve, np.concatenate([[first], inner, [last]]), is_curved(carrier)))
     return seeded
+
+
+def curves_by_face(curves: Sequence[SeededCurve]) -> dict[int, list[SeededCurve]]:
+    """The curves that each face uses, in their order."""
+    found: dict[int, list[SeededCurve]] = {}
+    for seeded in curves:
+        for face in seeded.curve.uses:
+            found.setdefault(face, []).append(seeded)
+    return found
 
 
 def face_region(face: int, sheet: Sheet, curves: Sequence[SeededCurve], points: Array) -> tuple[Region, Indices]:

@@ -19,7 +19,7 @@ from kernel.idealise.parts import Parts
 from kernel.idealise.walls import Wall, patch_points
 from kernel.mesh.beams import SeatedNode
 from kernel.mesh.bricks import BrickMesh, outer_faces
-from kernel.mesh.faces import FaceMesh, SeededCurve
+from kernel.mesh.faces import CurvesByFace, FaceMesh
 from kernel.mesh.patches import SurfaceFaces, faces_on, flatten, host_of, node_areas
 from kernel.solid.surfaces import CylinderSurface, Surface
 
@@ -35,16 +35,23 @@ PARALLEL = 0.9
 
 @dataclass(slots=True, eq=False)
 class Meshed:
-    """What has been meshed. points: of all nodes. seated: the beams' nodes that sit on wall nodes."""
+    """What has been meshed. points: of all nodes. seated: the beams' nodes that sit on wall nodes.
+
+    curves: of each wall, by its face. sheets: by face, the id of its mid-surface.
+    """
 
     parts: Parts
-    curves: Sequence[SeededCurve]
+    curves: CurvesByFace
     faces: dict[str, FaceMesh]
     bricks: dict[str, BrickMesh]
     seated: dict[str, list[SeatedNode]]
     points: Array
+    sheets: dict[int, int] = field(init=False)
     _outer: dict[str, list[Indices]] = field(default_factory=dict)
     _on: dict[tuple[str, int], SurfaceFaces] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        self.sheets = {wall.index: wall.sheet.surface_id for wall in self.parts.walls.values()}
 
     def surface(self, joint: Joint) -> Surface:
         """The joint's surface."""
@@ -230,8 +237,8 @@ def _edge_nodes(meshed: Meshed, wall: Wall, joint: Joint) -> list[int]:
     points = patch_points(meshed.surface(joint), joint.patch)
     found: set[int] = set()
     slack = 8 * meshed.parts.topology.tolerance
-    for seeded in meshed.curves:
-        if seeded.curve.carrier not in numbers or wall.index not in seeded.curve.uses:
+    for seeded in meshed.curves.get(wall.index, []):
+        if seeded.curve.carrier not in numbers:
             continue
         carrier = meshed.parts.topology.carrier(seeded.curve.carrier)
         if carrier.period is not None:
@@ -304,7 +311,7 @@ def _wall_on_wall(meshed: Meshed, joints: list[Joint], first: Wall, second: Wall
 
     joints: all contacts of the two. One of them must do: the largest first, the smaller wall's nodes first.
     """
-    if any(first.index in seeded.curve.uses and second.index in seeded.curve.uses for seeded in meshed.curves):
+    if any(second.index in seeded.curve.uses for seeded in meshed.curves.get(first.index, [])):
         return []
     if _joined_through_others(meshed, first, second):
         return []
@@ -344,12 +351,14 @@ def _joined_through_others(meshed: Meshed, first: Wall, second: Wall) -> bool:
     carriers = {
         crossing.carrier for crossing in meshed.parts.crossings if first in crossing.walls and second in crossing.walls
     }
-    sheets = {wall.index: wall.sheet.surface_id for wall in meshed.parts.walls.values()}
     wanted = {first.sheet.surface_id, second.sheet.surface_id}
-    return any(
-        seeded.curve.carrier in carriers and wanted <= {sheets[face] for face in seeded.curve.uses}
-        for seeded in meshed.curves
-    )
+    for wall in meshed.parts.walls.values():
+        if wall.sheet.surface_id in wanted:
+            for seeded in meshed.curves.get(wall.index, []):
+                sheets = {meshed.sheets[face] for face in seeded.curve.uses}
+                if seeded.curve.carrier in carriers and wanted <= sheets:
+                    return True
+    return False
 
 
 def _wall_faces(meshed: Meshed, wall: Wall) -> SurfaceFaces:
