@@ -82,3 +82,12 @@ def test_an_unknown_type_or_node_is_refused_by_name():
 
 def test_auto_takes_an_override_back():
     assert resolve_overrides(read(TABLE), {"0": Override("auto")}) == {}
+
+
+def test_tetrahedra_have_mid_side_nodes_whatever_the_order():
+    csg = read(str(ROOT / "examples" / "bracket.csg"))
+    bricks = classify(csg, overrides={"/": Override("brick")})
+    meshed = mesh(bricks, MeshOptions(size=40, order=1))
+    assert set(meshed.assembly.mesh.count()) == {"tet10"}
+    assert meshed.checks.failures == ()
+    assert abs(meshed.checks.mass_error) < 1e-3

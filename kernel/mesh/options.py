@@ -13,7 +13,7 @@ VOLUMES = ("auto", "hex", "tet")
 
 @dataclass(frozen=True, slots=True)
 class MeshOptions:
-    """size: target element edge in model units, None for automatic. order: 1 or 2.
+    """size: target element edge in model units, None for automatic. order: 1 or 2 (tetrahedra are always tet10).
 
     faces: shells of quads or of triangles. volumes: hexes where a brick can be swept ("auto"), hexes or a refusal
     ("hex"), tetrahedra always ("tet"). segment_sizes: target size by segment id or CSG node path.

@@ -6,7 +6,7 @@ a strongly curved face), its mid-side nodes are drawn back towards the straight 
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from dataclasses import replace
 
 import numpy as np
@@ -55,11 +55,17 @@ def places_on(edges: NDArray[np.int64], places: NDArray[np.float64]) -> Project:
     return project
 
 
-def curved(mesh: Mesh, project: Project | None = None) -> tuple[Mesh, int]:
+def curved(mesh: Mesh, project: Project | None = None, kinds: Collection[str] | None = None) -> tuple[Mesh, int]:
     """(mesh of second order, number of edges whose mid-side nodes were drawn back towards the straight edge).
 
-    Blocks that are of second order already are refused: DefectError.
+    kinds: raise the blocks of these kinds only, None for all. Blocks that are of second order already are refused:
+    DefectError.
     """
+    if kinds is not None:
+        chosen = [index for index, block in enumerate(mesh.blocks) if block.kind in kinds]
+        raised, n_drawn = curved(Mesh(mesh.nodes, tuple(mesh.blocks[index] for index in chosen)), project)
+        new = dict(zip(chosen, raised.blocks, strict=True))
+        return Mesh(raised.nodes, tuple(new.get(index, block) for index, block in enumerate(mesh.blocks))), n_drawn
     if any(block.kind not in SECOND_ORDER for block in mesh.blocks):
         raise DefectError("a mesh that has elements of second order cannot be raised to it")
     edges, of_block = _number_edges(mesh)
