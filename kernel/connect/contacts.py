@@ -31,6 +31,9 @@ Array = NDArray[np.float64]
 SLIVER_WIDTH = 10.0
 """Patches narrower than this many tolerances are rounding, no contact."""
 
+CONVEX = 1e-10
+"""A face whose area is that of its hull within this is its hull: no boundary need be chained."""
+
 END_ON = 0.9
 """A beam meets a face with its end where the face's normal leans on its axis by more than this cosine."""
 
@@ -52,8 +55,12 @@ def find_joints(segments: Sequence[Segment], evaluated: Evaluated) -> tuple[Join
     rows = [row for index, of_segment in enumerate(faces) for row in _rows(index, of_segment)]
     joints: list[Joint] = []
     found = []
+    patches: dict[int, Polygon | MultiPolygon] = {}
     for one, other in _facing(rows, 10 * table.tolerance):
-        patch = _patch(faces[one.segment], one).intersection(_patch(faces[other.segment], other))
+        for row in (one, other):
+            if id(row) not in patches:
+                patches[id(row)] = _patch(faces[row.segment], row)
+        patch = patches[id(one)].intersection(patches[id(other)])
         parts = [part for part in parts_of(patch) if part.area > 0.5 * SLIVER_WIDTH * table.tolerance * part.length]
         if parts:
             first, second = sorted((one, other), key=lambda row: row.segment)
@@ -119,6 +126,12 @@ def _patch(faces: Faces, row: _Face) -> Polygon | MultiPolygon:
     surface = faces.table.surfaces[row.surface]
     if isinstance(surface, CylinderSurface):
         return shapely.transform(faces.unrolled(row.surface, row.side), lambda at: at * (surface.radius, 1.0))
+    assert isinstance(surface, Plane)
+    facets = faces.facets
+    corners = facets.vertices[np.unique(facets.triangles[faces.mask(row.surface, row.side)])]
+    hull = shapely.convex_hull(shapely.multipoints(np.stack([corners @ surface.u, corners @ surface.v], axis=1)))
+    if hull.area <= faces.areas[(row.surface, row.side)] * (1 + CONVEX):
+        return hull
     return faces.polygon(row.surface, row.side)
 
 
