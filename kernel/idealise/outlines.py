@@ -26,6 +26,9 @@ Array = NDArray[np.float64]
 SEAM_GRID = 1e-9
 """Outlines that close over the seam are rounded to this share of the model's size, so that their ends meet."""
 
+LINES_CROSS = 1e-4
+"""Least sine at which two lines cross in one point."""
+
 PolygonLike: TypeAlias = Polygon | MultiPolygon
 
 
@@ -216,4 +219,10 @@ def transversal(sheet: Sheet, carrier: Carrier) -> tuple[Surface, ...]:
 
 def meeting_point(sheet: Sheet, one: Carrier, other: Carrier, near: Array) -> Array:
     """The common point of two carriers of a sheet next to `near` (3,)."""
+    if isinstance(one, Line) and isinstance(other, Line):
+        across = np.cross(one.direction, other.direction)
+        square = float(across @ across)
+        if square > LINES_CROSS**2:
+            along = float(np.cross(other.point - one.point, other.direction) @ across) / square
+            return one.point + along * one.direction
     return project(near[None], (sheet.surface, *transversal(sheet, one), *transversal(sheet, other)))[0]
