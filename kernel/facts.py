@@ -127,7 +127,7 @@ class Facts(Mapping[str, Value]):
     related: facts of the things around it, by the names of RELATED; a name that is absent has not been looked at.
     """
 
-    __slots__ = ("_values", "related", "tier")
+    __slots__ = ("_key", "_values", "related", "tier")
 
     def __init__(
         self, values: Mapping[str, Value], tier: str, related: Mapping[str, tuple[Facts, ...]] | None = None
@@ -139,6 +139,7 @@ class Facts(Mapping[str, Value]):
         self._values = MappingProxyType(dict(values))
         self.related: Mapping[str, tuple[Facts, ...]] = MappingProxyType(dict(related or {}))
         self.tier = tier
+        self._key: tuple | None = None
 
     def __getitem__(self, name: str) -> Value:
         return self._values[name]
@@ -152,6 +153,11 @@ class Facts(Mapping[str, Value]):
     @property
     def key(self) -> tuple:
         """Equal for equal facts, whatever their order; hashable."""
+        if self._key is None:
+            self._key = self._make_key()
+        return self._key
+
+    def _make_key(self) -> tuple:
         related = (
             (name, tuple(sorted((item.key for item in items), key=repr))) for name, items in self.related.items()
         )

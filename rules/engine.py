@@ -19,6 +19,8 @@ from kernel.plan import Conclusion, Need
 from kernel.units import unit_set
 from rules.definition import Definition, Parameter, Rule
 from rules.loader import read_definition, read_definition_text
+from rules.syntax import Condition, Expression, FactRef, Quantified, walk
+from rules.template import Field
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -79,8 +81,15 @@ class RuleBase:
         return RuleBase(self.definition, units)
 
     def decide(self, facts: Facts) -> Conclusion | Need:
-        """The conclusion, or the tier of facts that is needed first. Equal facts are answered from a cache."""
-        key = facts.key
+        """The conclusion, or the tier of facts that is needed first.
+
+        Facts that are equal in all that any rule speaks of are answered from a cache.
+        """
+        names, collections = self._spoken_of
+        key: tuple = (facts.tier, *map(facts.get, names))
+        for name in collections:
+            related = facts.related.get(name)
+            key += (None if related is None else tuple(sorted((item.key for item in related), key=repr)),)
         answer = self._answers.get(key)
         if answer is None:
             answer = self._decide(facts)
@@ -88,6 +97,18 @@ class RuleBase:
                 self._answers.clear()
             self._answers[key] = answer
         return answer
+
+    @cached_property
+    def _spoken_of(self) -> tuple[tuple[str, ...], tuple[str, ...]]:
+        """The facts, and the collections of related things, that any rule's condition or reason speaks of."""
+        parts: list[Expression | Condition] = []
+        for rule in self.rules:
+            parts += walk(rule.condition)
+            for part in rule.because.parts:
+                parts += walk(part.expression) if isinstance(part, Field) else ()
+        names = {part.name for part in parts if isinstance(part, FactRef)}
+        collections = {part.collection for part in parts if isinstance(part, Quantified)}
+        return tuple(sorted(names)), tuple(sorted(collections))
 
     def _decide(self, facts: Facts) -> Conclusion | Need:
         from rules.explain import conclude

@@ -69,10 +69,12 @@ def test_a_limit_that_is_met_exactly_is_met():
         assert base.decide(Facts({"slenderness": slenderness}, "necks")).type == expected
 
 
-def test_equal_facts_are_answered_from_the_cache():
+def test_facts_that_are_equal_in_what_rules_speak_of_are_answered_from_the_cache():
     base = rule_base_from_text(TWO_RULES)
     one = base.decide(Facts({"slenderness": 12.0, "depth": 1}, "necks"))
-    assert base.decide(Facts({"depth": 1, "slenderness": 12.0}, "necks")) is one
+    assert base.decide(Facts({"depth": 2, "slenderness": 12.0}, "necks", {"tools": ()})) is one
+    assert base.decide(Facts({"slenderness": 12.5, "depth": 1}, "necks")) is not one
+    assert base.decide(Facts({"slenderness": 12.0, "depth": 1}, "walls")) is not one
 
 
 def test_facts_of_related_things_are_part_of_the_question():

@@ -37,8 +37,8 @@ def test_a_rejected_alternative_names_the_condition_that_failed():
 
 def test_a_word_that_fails_says_what_keeps_its_rules_from_holding():
     facts = Facts(
-        {**BLOCK, **NO_WALLS, "is_prismatic": False, "volume_deviation": 0.1, "sections_off": 4, "worst_section_off": 0.2,
-         "prism_length": 12.0, "section_long": 1.0}, "necks"
+        {**BLOCK, **NO_WALLS, "is_prismatic": False, "volume_deviation": 0.1, "sections_off": 4,
+         "worst_section_off": 0.2, "prism_length": 12.0, "section_long": 1.0}, "necks"
     )  # fmt: skip
     rejected = {item.type: item for item in load_rule_base().decide(facts).rejected}
     assert rejected["beam"].because == (
