@@ -183,7 +183,7 @@ def _axis_seat(parts: Parts, beam: Beam, wall: Wall, joint: Joint) -> tuple[int,
 def _edge_seat(parts: Parts, beam: Beam, wall: Wall, joint: Joint) -> tuple[int, float, float]:
     """The carrier of the wall's edge that a beam runs along."""
     start, end = _patch_range(parts, beam, joint)
-    carriers = edge_carriers(parts.topology, wall, joint)
+    carriers = edge_carriers(parts, wall, joint)
     if not carriers:
         raise ConnectError(
             f"{beam.segment.id} lies along an edge of {wall.segment.id} ({joint.id}) that is no part of the "
@@ -192,16 +192,27 @@ def _edge_seat(parts: Parts, beam: Beam, wall: Wall, joint: Joint) -> tuple[int,
     return carriers[0], start, end
 
 
-def edge_carriers(topology: Topology, wall: Wall, joint: Joint) -> list[int]:
-    """Carriers of the wall's outline that lie on the joint's surface."""
+def edge_carriers(parts: Parts, wall: Wall, joint: Joint) -> list[int]:
+    """Carriers on which the wall ends at the joint's surface.
+
+    Where the wall was carried on, or cut back, to a curve in which it meets another, that curve stands for the edge.
+    """
     surface = wall.segment.solid.surfaces.surfaces[joint.surface]
     if isinstance(surface, FacetedSurface):
         return []
-    found = set()
-    for stretch in wall.outline:
-        points = topology.carrier(stretch.carrier).at(np.linspace(stretch.start, stretch.end, 5))
-        if np.abs(signed_distance(surface, points)).max() <= 4 * topology.tolerance:
-            found.add(stretch.carrier)
+
+    def away(number: int, start: float, end: float) -> float:
+        points = parts.topology.carrier(number).at(np.linspace(start, end, 5))
+        return float(np.abs(signed_distance(surface, points)).max())
+
+    tolerance = 4 * parts.topology.tolerance
+    found = {s.carrier for s in wall.outline if away(s.carrier, s.start, s.end) <= tolerance}
+    if not found:
+        for crossing in parts.crossings_of(wall):
+            reach = 1.5 * crossing.other(wall).thickness
+            for start, end in crossing.reach[wall.index]:
+                if away(crossing.carrier, start, end) <= reach:
+                    found.add(crossing.carrier)
     return sorted(found)
 
 
@@ -214,7 +225,7 @@ def cut_edges(parts: Parts) -> None:
                 continue
             surface = wall.segment.solid.surfaces.surfaces[joint.surface]
             points = project(_outline_points(surface, joint), (wall.sheet.surface,))
-            for number in edge_carriers(parts.topology, wall, joint):
+            for number in edge_carriers(parts, wall, joint):
                 carrier = parts.topology.carrier(number)
                 if carrier.period is not None:
                     continue

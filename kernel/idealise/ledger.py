@@ -79,15 +79,11 @@ def volume_ledger(parts: Parts) -> tuple[LedgerRow, ...]:
         rows[(names, cause)] = rows.get((names, cause), 0.0) + volume
 
     order = list(parts.segments)
-    by_wall: dict[int, list[Crossing]] = {}
-    for crossing in parts.crossings:
-        for wall in crossing.walls:
-            by_wall.setdefault(wall.index, []).append(crossing)
     for name, wall in parts.walls.items():
         own = outline_area(parts.topology, wall.sheet, [stretch for ring in wall.rings for stretch in ring])
         add((name,), "its own faces are not square to the mid-surface", own * wall.thickness - wall.segment.volume)
         moved = outline_area(parts.topology, wall.sheet, wall.outline) - own
-        for names, area in _moved(parts.topology, wall, by_wall.get(wall.index, []), moved):
+        for names, area in _moved(parts.topology, wall, parts.crossings_of(wall), moved):
             add(tuple(sorted(names, key=order.index)), "mid-surfaces meet", area * wall.thickness)
     for name, beam in parts.beams.items():
         own = beam.section.area * (beam.end - beam.start)

@@ -38,6 +38,17 @@ class Parts:
     seats: dict[str, list[Seat]] = field(default_factory=dict)
     absorbed: tuple[str, ...] = ()
     warnings: list[str] = field(default_factory=list)
+    _by_wall: tuple[list[Crossing], dict[int, list[Crossing]]] | None = None
+
+    def crossings_of(self, wall: Wall) -> list[Crossing]:
+        """The crossings in which the wall takes part."""
+        if self._by_wall is None or self._by_wall[0] is not self.crossings:
+            by_wall: dict[int, list[Crossing]] = {}
+            for crossing in self.crossings:
+                for one in crossing.walls:
+                    by_wall.setdefault(one.index, []).append(crossing)
+            self._by_wall = (self.crossings, by_wall)
+        return self._by_wall[1].get(wall.index, [])
 
     def neighbours(self) -> dict[str, list[str]]:
         """Ids of the segments that each segment touches, in order."""

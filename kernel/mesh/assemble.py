@@ -125,7 +125,7 @@ def idealise(segments: Sequence[Segment], joints: Sequence[Joint], size: float, 
     joints = parts.joints = tuple(joint for joint in joints if absorbed.isdisjoint(joint.segments))
     parts.warnings += [f"{name} is the material of a corner of walls: it has no elements" for name in parts.absorbed]
     walls = list(parts.walls.values())
-    crossings = find_crossings(topology, walls, joints)
+    crossings = parts.crossings = find_crossings(topology, walls, joints)
     join_walls(topology, walls, crossings, parts.surroundings(crossings))
     lay_outlines(topology, walls)
     candidates = [*crossing_candidates(topology, crossings), *outline_candidates(topology, walls, joints)]
@@ -138,7 +138,6 @@ def idealise(segments: Sequence[Segment], joints: Sequence[Joint], size: float, 
         parts.hosts = {brick.segment.id: group.host for group in parts.sweeps if group.host for brick in group.bricks}
     imprint(topology, candidates)
     cut_edges(parts)
-    parts.crossings = crossings
     return parts
 
 

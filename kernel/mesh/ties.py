@@ -233,7 +233,7 @@ def _areas_within(face: FaceMesh, outline: shapely.Geometry) -> tuple[Indices, A
 
 def _edge_nodes(meshed: Meshed, wall: Wall, joint: Joint) -> list[int]:
     """Nodes on the wall's outline that lie on the joint's surface, within its patch seen along the wall's normal."""
-    numbers = set(edge_carriers(meshed.parts.topology, wall, joint))
+    numbers = set(edge_carriers(meshed.parts, wall, joint))
     points = patch_points(meshed.surface(joint), joint.patch)
     found: set[int] = set()
     slack = 8 * meshed.parts.topology.tolerance
@@ -334,7 +334,7 @@ def _contact_nodes(meshed: Meshed, joint: Joint, follower: Wall, host: Wall) -> 
         nodes = meshed.faces[follower.segment.id].nodes
         patch = joint.patch.buffer(20 * meshed.parts.topology.tolerance)
     else:
-        if not edge_carriers(meshed.parts.topology, follower, joint):
+        if not edge_carriers(meshed.parts, follower, joint):
             return np.empty(0, np.int64)
         nodes = np.array(_edge_nodes(meshed, follower, joint), dtype=np.int64)
         patch = joint.patch.buffer(0.6 * max(follower.thickness, host.thickness))
@@ -348,9 +348,7 @@ def _joined_through_others(meshed: Meshed, first: Wall, second: Wall) -> bool:
     So it is where one wall was cut in two beside the joint: the curve lies in the one part, the contact reaches the
     other.
     """
-    carriers = {
-        crossing.carrier for crossing in meshed.parts.crossings if first in crossing.walls and second in crossing.walls
-    }
+    carriers = {crossing.carrier for crossing in meshed.parts.crossings_of(first) if second in crossing.walls}
     wanted = {first.sheet.surface_id, second.sheet.surface_id}
     for wall in meshed.parts.walls.values():
         if wall.sheet.surface_id in wanted:
