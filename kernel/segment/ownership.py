@@ -1,7 +1,7 @@
 """Ownership: where drafts overlap, the overlap belongs to one of them.
 
 To the brick, then the plate or cylinder-plate, then the beam; among equals to the larger section, then the larger
-volume, then by place. Drafts were decided on their untrimmed solids and keep their full length.
+volume, then the thinner wall, then by place. Drafts were decided on their untrimmed solids and keep their full length.
 """
 
 from __future__ import annotations
@@ -56,8 +56,9 @@ def settle_overlaps(drafts: Sequence[Draft]) -> list[Draft]:
 def _rank(draft: Draft) -> tuple[float, ...]:
     size = draft.solid.surfaces.size
     volume = round(draft.solid.volume / size**3, 9)
+    thickness = 0.0 if draft.wall is None else round(draft.wall.thickness / size, 9)
     corners = np.round(draft.solid.bounds / size, 6).ravel() + 0.0
-    return (RANK[draft.type], -round(draft.section_area / size**2, 9), -volume, *map(float, corners))
+    return (RANK[draft.type], -round(draft.section_area / size**2, 9), -volume, thickness, *map(float, corners))
 
 
 def _overlapped(ranked: Sequence[Draft]) -> list[list[int]]:

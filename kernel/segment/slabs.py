@@ -178,11 +178,7 @@ def _filled(solid: Solid, wall: PlaneWall, walls: tuple[Wall, ...], middle: Regi
     faces = faces_of(solid)
     bottom, top = wall.surface_ids
     one_sided = faces.polygon(bottom, -1).union(faces.polygon(top, 1)).intersection(middle).difference(filled)
-    others = [
-        other.paired
-        for other in walls
-        if other is not wall and isinstance(other, PlaneWall) and _faces_meet(wall, other)
-    ]
+    others = [_footprint(wall, other) for other in walls if other is not wall and isinstance(other, PlaneWall)]
     if others:
         one_sided = one_sided.difference(shapely.union_all(others))
     size = max(1e-6 * wall.area, solid.surfaces.tolerance * wall.thickness)
@@ -194,9 +190,15 @@ def _filled(solid: Solid, wall: PlaneWall, walls: tuple[Wall, ...], middle: Regi
     return shapely.union_all([filled, *edges]) if edges else filled
 
 
-def _faces_meet(wall: PlaneWall, other: PlaneWall) -> bool:
-    """Whether two walls are parallel and lie between overlapping offsets."""
-    return _is_parallel(wall, other) and other.bottom < wall.top and wall.bottom < other.top
+def _footprint(wall: PlaneWall, other: PlaneWall) -> Region:
+    """Where the other wall stands, in this one's coordinates; empty for one that lies above or below it."""
+    if _is_parallel(wall, other):
+        return other.paired if other.bottom < wall.top and wall.bottom < other.top else Polygon()
+    left, low, right, high = other.paired.bounds
+    corners = np.array([(left, low), (right, low), (right, high), (left, high)])
+    flat = corners[:, :1] * other.u + corners[:, 1:] * other.v
+    points = np.concatenate([flat + other.normal * offset for offset in (other.bottom, other.top)])
+    return shapely.multipoints(points @ np.stack([wall.u, wall.v], axis=1)).convex_hull.buffer(1e-6 * wall.thickness)
 
 
 def _on_vertices(outline: Region, slab: Solid, wall: PlaneWall, near: float) -> Region:

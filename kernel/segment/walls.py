@@ -45,6 +45,15 @@ LARGE_HOLE = 40.0
 """A hole larger than this many thicknesses squared shapes the wall; smaller ones are drilled through it."""
 
 
+MET = 2e-4
+"""A limit that is missed by less than this share is met: an erosion that leaves less than a 1e-5 of its width may
+come back empty, and rounding must not decide what the input meets exactly."""
+
+
+SMOOTH = 1e-6
+"""Outlines are smoothed by this share of the opening's width before it is measured."""
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class PlaneWall:
     """Between two parallel planes; bottom < top along `normal`. paired: in coordinates (x.u, x.v), u x v = normal."""
@@ -110,8 +119,12 @@ Wall = PlaneWall | TubeWall
 
 
 def opening(region: Region, width: float) -> Region:
-    """The region less everything too narrow to hold a square of `width` (erosion, then dilation, mitred)."""
-    return region.buffer(-0.5 * width, join_style="mitre").buffer(0.5 * width * 1.001, join_style="mitre")
+    """The region less everything too narrow to hold a square of `width` (erosion, then dilation, mitred).
+
+    Edges that rounding left are taken out first: a mitred erosion of them may come back empty.
+    """
+    smooth = region.simplify(SMOOTH * width)
+    return smooth.buffer(-0.5 * width, join_style="mitre").buffer(0.5 * width * 1.001, join_style="mitre")
 
 
 def find_walls(faces: Faces) -> tuple[Wall, ...]:
@@ -196,7 +209,7 @@ def _is_wide(part: Polygon, thickness: float) -> bool:
     )
     if part.area < KEPT_SHARE * outline.area:
         outline = part
-    return bool(opening(outline, OPENING_FACTOR * thickness).area >= KEPT_SHARE * outline.area)
+    return bool(opening(outline, OPENING_FACTOR * thickness * (1.0 - MET)).area >= KEPT_SHARE * outline.area)
 
 
 def _without_details(walls: list[PlaneWall]) -> list[PlaneWall]:
@@ -260,11 +273,11 @@ def _tube_walls(faces: Faces) -> Iterator[TubeWall]:
                 if inner_radius >= outer_radius - faces.table.tolerance:
                     continue
                 mean, thickness = 0.5 * (inner_radius + outer_radius), outer_radius - inner_radius
-                if mean / thickness < RADIUS_RATIO * (1.0 - 1e-6):
+                if mean / thickness < RADIUS_RATIO * (1.0 - MET):
                     continue
                 hidden = [surface for radius, surface in outer_faces if inner_radius < radius < outer_radius]
                 wall = _tube_wall(faces, inner, outer, hidden)
-                if wall is not None and wall.width >= OPENING_FACTOR * thickness * (1.0 - 1e-6):
+                if wall is not None and wall.width >= OPENING_FACTOR * thickness * (1.0 - MET):
                     yield wall
 
 
