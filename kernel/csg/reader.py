@@ -11,10 +11,10 @@ from kernel.csg.tree import CsgModel
 from kernel.errors import ReadError
 
 _PADL_COMMENT = re.compile(r"![^\n]*")
-_OPENSCAD_BLANK = re.compile(r'//[^\n]*|/\*.*?\*/|"(?:\\.|[^"\\])*"', re.DOTALL)
-_PADL_START = re.compile(r"\s*(?:[A-Za-z_]\w*\s*=(?!=)|(?:units|material|out)\b)", re.IGNORECASE)
-_ASSIGNMENT = re.compile(r"\s*\$?[A-Za-z_]\w*\s*=[^\n;]*;")
-_OPENSCAD_START = re.compile(r"\s*[%#*!]*\s*\$?[A-Za-z_]\w*\s*\(")
+_OPENSCAD_BLANK = re.compile(r'//[^\n]*|/\*.*?(?:\*/|\Z)|"(?:\\.|[^"\\])*+(?:"|\\?\Z)', re.DOTALL)
+_PADL_START = re.compile(r"\s*+(?:[A-Za-z_]\w*+\s*+=(?!=)|(?:units|material|out)\b)", re.IGNORECASE)
+_ASSIGNMENT = re.compile(r"\s*+\$?[A-Za-z_]\w*+\s*+=[^\n;]*+;")
+_OPENSCAD_START = re.compile(r"[\s%#*!]*+\$?[A-Za-z_]\w*+\s*+\(")
 
 
 def read_file(path: str) -> CsgModel:

@@ -36,6 +36,7 @@ MAX_SLICES = 10_000
 """Layers of a twisted extrusion."""
 
 _CLOSING = {"{": "}", "(": ")", "[": "]"}
+_NEVER_CLOSED = {"/*": ("comment", "*/"), '"': ("string", '"')}
 _MAX_EXPECTED = 4
 
 
@@ -48,12 +49,18 @@ def place_at(text: str, offset: int, source: str) -> Place:
 def check_brackets(text: str, source: str, blanks: re.Pattern[str], max_nesting: int = MAX_NESTING) -> None:
     """Refuse brackets that are nested too deeply, never closed, or closed by the wrong one.
 
-    blanks: matches what may hold brackets that mean nothing (comments, strings); every other match is one bracket.
+    blanks: matches what may hold brackets that mean nothing (comments, strings), a bracket, or the mark of a comment
+    or string that is never closed.
     Done before parsing: the place is then that of the bracket at fault, and a bomb costs one linear scan.
     """
     opened: list[tuple[str, int]] = []
     for match in blanks.finditer(text):
         bracket = match.group()
+        if bracket in _NEVER_CLOSED:
+            what, closing = _NEVER_CLOSED[bracket]
+            raise ReadError(
+                f"a {what} is never closed, expected '{closing}'", place=place_at(text, match.start(), source)
+            )
         if len(bracket) > 1:
             continue
         if bracket in _CLOSING:

@@ -16,7 +16,7 @@ from kernel.errors import Place
 
 Value: TypeAlias = "float | bool | str | list[Any] | None"
 
-_BRACKETS = re.compile(r'//[^\n]*|/\*.*?\*/|"(?:\\.|[^"\\])*"|[{}()\[\]]', re.DOTALL)
+_BRACKETS = re.compile(r'//[^\n]*|/\*.*?\*/|/\*|"(?:\\.|[^"\\])*+"|"|[{}()\[\]]', re.DOTALL)
 _WORDS = {"true": True, "false": False, "undef": None}
 
 TERMINALS = {

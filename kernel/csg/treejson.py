@@ -42,7 +42,7 @@ from kernel.errors import DefectError, Place, ReadError
 MAX_JSON_NESTING = 2 * MAX_TREE_DEPTH + 8
 """A node nests one object and one array; the arrays of its numbers nest a little more."""
 
-_BRACKETS = re.compile(r'"(?:\\.|[^"\\])*"|[{}\[\]]')
+_BRACKETS = re.compile(r'"(?:\\.|[^"\\])*+"|"|[{}\[\]]', re.DOTALL)
 
 
 def read_json(text: str, source: str) -> CsgModel:

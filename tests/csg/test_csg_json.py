@@ -281,6 +281,7 @@ def test_an_error_is_one_line_with_its_pointer(content, line):
     ("text", "line"),
     [
         ('{"root": {"kind": "sphere", "radius": 1}', "m.json:1:1: '{' is never closed, expected '}'"),
+        ('{"root": {"kind": "sphere}', "m.json:1:19: a string is never closed, expected '\"'"),
         ('{"root": {"kind": "sphere" "radius": 1}}', "m.json:1:28: found no comma, expected ',' or a closing bracket"),
         ('{\n "root": }', "m.json:2:10: found no value, expected one"),
         ('{"root": {"kind": "sphere", "radius": NaN}}', "m.json:1:39: found NaN, expected a finite number"),

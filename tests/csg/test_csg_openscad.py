@@ -328,6 +328,8 @@ def test_source_instead_of_csg_and_unknown_names_are_told_apart(name):
         ("cube(size = [1, 1, 1};", "m.csg:1:21: found '}', expected ']' for the '[' of line 1"),
         ("cube(size = [1, 1, 1])\nsphere(r = 1);", "m.csg:2:1: found 'sphere', expected ';' or '{'"),
         ("cube(size = [1, 1, 1])", "m.csg:1:23: the file ends here, expected ';' or '{'"),
+        ("sphere(r = 1);\n/* open\n", "m.csg:2:1: a comment is never closed, expected '*/'"),
+        ('sphere("r);', "m.csg:1:8: a string is never closed, expected '\"'"),
         ("sphere(r = -1);", "m.csg:1:8: sphere's r is -1, expected a number over 0"),
         ("sphere(r = nan);", "m.csg:1:8: sphere's r is nan, expected a finite number"),
         (

@@ -133,6 +133,14 @@ def test_a_spoilt_text_gives_a_model_or_one_line_that_says_why(text, changes):
         assert "\n" not in line
 
 
+@pytest.mark.parametrize(
+    "piece", ["/* ", '"\\"', "//\n", "\n", "! ;\n", ";", " ", "a", "a=", "% ", "[1,", "union(){", "A=1\n"]
+)
+def test_no_text_takes_more_than_linear_time(piece):
+    with pytest.raises(ReadError):
+        read_model(piece * 30_000, "m.csg")  # a quadratic scan of this takes minutes
+
+
 def test_the_same_solid_reads_alike_in_the_three_languages():
     openscad = read_model("difference() { cube(size = [4, 4, 1]); cylinder(h = 3, r1 = 1, r2 = 1); }", "a")
     padl = read_model("A = BLO(4, 4, 1) DIF CYL(1, 3)", "b")
