@@ -12,7 +12,7 @@ from kernel.errors import OptionError
 if TYPE_CHECKING:
     from kernel.connect.model import Model
 
-_FORMAT_MODULES = ("nastran", "ansys", "ansys5", "calculix", "abaqus", "sapiv", "gmsh", "vtu")
+_FORMAT_MODULES = ("nastran", "ansys", "ansys5", "calculix", "abaqus", "sapiv", "gmsh", "vtu", "json")
 
 
 @dataclass(frozen=True, slots=True)
