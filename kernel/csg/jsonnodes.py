@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from kernel.csg.jsonplaces import pointer
-from kernel.csg.limits import check_material
+from kernel.csg.limits import check_material, missing_of_material
 from kernel.csg.outline import ordered_loops
 from kernel.csg.placement import mended_rigid, place
 from kernel.csg.polyhedra import closed_polyhedron
@@ -93,6 +93,9 @@ class JsonReader:
                     check_material({key.upper(): given[key.upper()]}, None)
                 except ReadError as error:
                     raise self._error((*path, key), f"cannot be: {error.message}") from None
+            lacks = missing_of_material(given)
+            if lacks:
+                raise self._error(path, f"lacks {lacks}, expected E, NU and RHO")
             materials[name] = given
         return materials
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 
 from kernel.csg.source import MAX_NODES, MAX_TREE_DEPTH
 from kernel.csg.tree import CsgNode, Hull
@@ -27,12 +27,12 @@ def check_tree(root: CsgNode) -> None:
         stack.extend((child, depth + 1) for child in below)
 
 
-_MATERIAL_RANGES: dict[str, tuple[float, float, str]] = {
-    "E": (0.0, math.inf, "a number over 0"),
-    "NU": (-1.0, 0.5, "a number over -1 and under 0.5"),
-    "RHO": (0.0, math.inf, "a number over 0"),
+_MATERIAL_RANGES: dict[str, tuple[Callable[[float], bool], str]] = {
+    "E": (lambda value: 0 < value < math.inf, "a number over 0"),
+    "NU": (lambda value: -1 < value < 0.5, "a number over -1 and under 0.5"),
+    "RHO": (lambda value: 0 <= value < math.inf, "a number of 0 or more"),
 }
-"""Elastic modulus, Poisson's ratio, density, in the model's own unit set: what lies strictly between is possible."""
+"""Elastic modulus, Poisson's ratio, density, in the model's own unit set: which values are possible."""
 
 
 def check_material(properties: Mapping[str, float], place: Place | None) -> None:
@@ -40,6 +40,12 @@ def check_material(properties: Mapping[str, float], place: Place | None) -> None
     for key, value in properties.items():
         if key not in _MATERIAL_RANGES:
             raise ReadError(f"a material has no property {key!r}, expected E, NU or RHO", place=place)
-        low, high, expected = _MATERIAL_RANGES[key]
-        if not low < value < high:
+        is_possible, expected = _MATERIAL_RANGES[key]
+        if not is_possible(value):
             raise ReadError(f"a material's {key} is {value:g}, expected {expected}", place=place)
+
+
+def missing_of_material(properties: Mapping[str, float]) -> str | None:
+    """What a material lacks, as `E and RHO`; None where it is complete."""
+    missing = [key for key in _MATERIAL_RANGES if key not in properties]
+    return " and ".join(missing) if missing else None

@@ -6,13 +6,14 @@ import math
 from dataclasses import replace
 
 from kernel.csg import padl_syntax as syntax
-from kernel.csg.limits import check_material, check_tree
+from kernel.csg.limits import check_material, check_tree, missing_of_material
 from kernel.csg.padl_numbers import CONSTANTS, FUNCTIONS, combine
 from kernel.csg.padl_solids import MOVES, SHAPES, PadlSolid, boolean
 from kernel.csg.source import MAX_NODES, MAX_TREE_DEPTH, did_you_mean, either, wrong_number
 from kernel.csg.tree import IDENTITY, CsgModel
 from kernel.errors import Place, ReadError
-from kernel.units import UNIT_SETS
+from kernel.materials import MATERIAL_NAMES, named_material
+from kernel.units import UNIT_SETS, unit_set
 
 KEYWORDS = ("UNITS", "MATERIAL", "OUT", "UN", "DIF", "INT", "AT")
 _OPERATIONS = {"UN": "union", "DIF": "difference", "INT": "intersection"}
@@ -27,6 +28,7 @@ def read_padl(text: str, source: str) -> CsgModel:
     for statement in syntax.parse_padl(text, source):
         reader.run(statement)
     root = reader.model().as_tree()
+    reader.fill_materials()
     check_tree(root)
     return CsgModel(root=root, source=source, language="padl", units=reader.units, materials=reader.materials)
 
@@ -40,6 +42,7 @@ class _Reader:
         self.defined_on: dict[str, int] = {}
         self.units: str | None = None
         self.materials: dict[str, dict[str, float]] = {}
+        self.material_places: dict[str, syntax.Here] = {}
         self.last: PadlSolid | None = None
         self.out: PadlSolid | None = None
 
@@ -53,6 +56,25 @@ class _Reader:
         if solid is None:
             raise ReadError(f"{self.source}: there is no solid in the file, expected one such as A = BLO(1, 1, 1)")
         return solid
+
+    def fill_materials(self) -> None:
+        """Give each `MATERIAL name()` the values of the named material, in the file's own UNITS."""
+        for name, values in self.materials.items():
+            if values:
+                continue
+            here = self.material_places[name]
+            if self.units is None:
+                raise self._error(
+                    here, f"the material {name!r} has no numbers, expected them, or UNITS to look it up in"
+                )
+            if name.lower() not in MATERIAL_NAMES:
+                raise self._error(
+                    here,
+                    f"unknown material {name!r}, expected {either(list(MATERIAL_NAMES))}, or its E, NU and RHO"
+                    f"{did_you_mean(name, MATERIAL_NAMES)}",
+                )
+            known = named_material(name, unit_set(self.units))
+            values.update(E=known.elastic_modulus, NU=known.poisson_ratio, RHO=known.density)
 
     def _run_units(self, statement: syntax.Statement) -> None:
         name = statement.name.lower()
@@ -76,7 +98,11 @@ class _Reader:
                 raise self._error(argument.here, f"{argument.key} stands twice, expected it once")
             given[argument.key] = self._number(argument.value)
             check_material({argument.key: given[argument.key]}, self._place(argument.here))
+        lacks = missing_of_material(given)
+        if given and lacks:
+            raise self._error(statement.here, f"the material {name!r} lacks {lacks}, expected E, NU and RHO")
         self.materials[name] = given
+        self.material_places[name] = statement.here
 
     def _run_definition(self, statement: syntax.Statement) -> None:
         name, key = statement.name, statement.name.upper()

@@ -268,6 +268,10 @@ BALL = {"kind": "sphere", "radius": 1}
             "expected two that run opposite ways",
         ),
         (
+            {"root": BALL, "materials": {"a/b": {"E": 1}}},
+            "m.json: /materials/a~1b lacks NU and RHO, expected E, NU and RHO",
+        ),
+        (
             {"root": BALL, "materials": {"a/b": {"NU": 0.7}}},
             "m.json: /materials/a~1b/NU cannot be: a material's NU is 0.7, expected a number over -1 and under 0.5",
         ),

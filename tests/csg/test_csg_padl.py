@@ -57,7 +57,12 @@ def test_comments_continuations_and_blank_lines():
 def test_units_and_materials_are_handed_on():
     model = read("UNITS in\nMATERIAL Alloy(E=10E6, NU=0.33, RHO=2.5e-4)\nMATERIAL steel()\nA = SPH(1)")
     assert (model.language, model.units) == ("padl", "in")
-    assert model.materials == {"Alloy": {"E": 10e6, "NU": 0.33, "RHO": 2.5e-4}, "steel": {}}
+    assert model.materials["Alloy"] == {"E": 10e6, "NU": 0.33, "RHO": 2.5e-4}
+    assert model.materials["steel"]["E"] == pytest.approx(210e9 / 6894.757, rel=1e-6)  # psi
+
+
+def test_a_named_material_is_in_the_units_that_the_file_names_anywhere():
+    assert read("MATERIAL Steel()\nUNITS mm\nA = SPH(1)").materials["Steel"] == {"E": 210e3, "NU": 0.3, "RHO": 7.85e-9}
 
 
 def test_a_model_without_units_says_none():
@@ -277,6 +282,16 @@ def test_angles_are_degrees_and_exact_where_they_can_be():
         (
             "MATERIAL S(E=1, NU=0.5)\nA = SPH(1)",
             "m.csg:1:17: a material's NU is 0.5, expected a number over -1 and under 0.5",
+        ),
+        ("MATERIAL S(E=1, NU=0)\nA = SPH(1)", "m.csg:1:10: the material 'S' lacks RHO, expected E, NU and RHO"),
+        (
+            "MATERIAL steel()\nA = SPH(1)",
+            "m.csg:1:10: the material 'steel' has no numbers, expected them, or UNITS to look it up in",
+        ),
+        (
+            "UNITS mm\nMATERIAL steal()\nA = SPH(1)",
+            "m.csg:2:10: unknown material 'steal', expected steel, stainless, aluminium, titanium or concrete, or its "
+            "E, NU and RHO, did you mean 'steel'?",
         ),
         ("MATERIAL S(G=1)\nA = SPH(1)", "m.csg:1:12: a material has no property 'G', expected E, NU or RHO"),
         (
