@@ -42,10 +42,12 @@ EQUAL_WITHIN = 2e-6
 class Unknown:
     """Stands for the value of an absent fact: to be told by `tier`, or never where it is SETTLED."""
 
-    __slots__ = ("tier",)
+    __slots__ = ("outcome", "tier")
 
     def __init__(self, tier: int) -> None:
+        """outcome: what a condition on the value comes to."""
         self.tier = tier
+        self.outcome = MISSING if tier == SETTLED else pending(tier)
 
 
 NOTHING = Unknown(SETTLED)
@@ -265,10 +267,6 @@ def compile_condition(condition: Condition, parameters: Mapping[str, float]) -> 
     raise TypeError(f"no way to compile {type(condition).__name__}")
 
 
-def _of_unknown(value: Unknown) -> int:
-    return MISSING if value is NOTHING else pending(value.tier)
-
-
 def _compile_compare(condition: Compare, parameters: Mapping[str, float]) -> Match:
     left = compile_expression(condition.left, parameters)
     right = compile_expression(condition.right, parameters)
@@ -283,7 +281,7 @@ def _compile_compare(condition: Compare, parameters: Mapping[str, float]) -> Mat
     def compare(view: View) -> int:
         a, b = left(view), right(view)
         if a.__class__ is Unknown or b.__class__ is Unknown:
-            return _of_unknown(unknown_of(a, b))
+            return unknown_of(a, b).outcome
         return TRUE if holds(operator, a, b, measured) else FALSE  # type: ignore[arg-type]
 
     return compare
@@ -302,7 +300,7 @@ def _compile_fact_and_limit(fact: FactRef, operator: str, limit: float, slack: f
     def compare(view: View) -> int:
         value = view.values.get(name)
         if value is None:
-            return _of_unknown(view.absent[tier])
+            return view.absent[tier].outcome
         return inside if low <= value <= high else outside  # type: ignore[operator]
 
     return compare
@@ -312,7 +310,7 @@ def _compile_member(value_of: Evaluate, choices: frozenset[str]) -> Match:
     def member(view: View) -> int:
         value = value_of(view)
         if isinstance(value, Unknown):
-            return _of_unknown(value)
+            return value.outcome
         return TRUE if value in choices else FALSE
 
     return member
@@ -322,7 +320,7 @@ def _compile_truth(value_of: Evaluate) -> Match:
     def truth(view: View) -> int:
         value = value_of(view)
         if isinstance(value, Unknown):
-            return _of_unknown(value)
+            return value.outcome
         return TRUE if value else FALSE
 
     return truth
@@ -366,7 +364,7 @@ def _compile_quantified(collection: str, least: int, inner: Match) -> Match:
     def quantified(view: View) -> int:
         things = view.things(collection)
         if isinstance(things, Unknown):
-            return _of_unknown(things)
+            return things.outcome
         return at_least(least, [inner(thing) for thing in things])
 
     return quantified
