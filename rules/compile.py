@@ -1,17 +1,14 @@
 """From syntax trees to Python closures: what the engine's rules call to match, a hundred of them in well under 1 ms.
 
-Two functions come of each condition: its outcome (logic.py), and its strength: by which share of a threshold it holds
-(positive) or fails (negative), infinite where no measured number decides, None where a fact does not exist.
+A condition becomes a function of a View that gives its outcome (logic.py); an expression one that gives its value.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
-from typing import ClassVar, TypeAlias
+from collections.abc import Mapping
 
-from kernel.facts import RELATED, TIERS, Facts, Value
-from rules.logic import AND, FALSE, MISSING, NOT, OR, PROVEN, SETTLED, TRUE, at_least, pending
+from rules.logic import AND, FALSE, NOT, OR, PROVEN, SETTLED, TRUE, at_least, pending
 from rules.syntax import (
     All,
     Any,
@@ -32,73 +29,12 @@ from rules.syntax import (
     Text,
     Truth,
     WordRef,
-    walk,
+    is_limit,
 )
+from rules.view import NOTHING, UNKNOWN, Evaluate, Evaluated, Match, Unknown, View
 
 EQUAL_WITHIN = 2e-6
 """Measured numbers within this share of the right side equal it: facts carry six digits. Counts must be exact."""
-
-
-class Unknown:
-    """Stands for the value of an absent fact: to be told by `tier`, or never where it is SETTLED."""
-
-    __slots__ = ("outcome", "tier")
-
-    def __init__(self, tier: int) -> None:
-        """outcome: what a condition on the value comes to."""
-        self.tier = tier
-        self.outcome = MISSING if tier == SETTLED else pending(tier)
-
-
-NOTHING = Unknown(SETTLED)
-UNKNOWN = tuple(Unknown(tier) for tier in range(len(TIERS)))
-ABSENT = tuple(
-    tuple(NOTHING if tier <= measured else UNKNOWN[tier] for tier in range(len(TIERS)))
-    for measured in range(len(TIERS))
-)
-"""ABSENT[tier measured][tier of the fact]: what an absent fact is worth."""
-
-ALL_MEASURED = ABSENT[-1]
-
-Evaluated: TypeAlias = "Value | Unknown"
-
-
-class View:
-    """Facts as the closures read them, and the words decided so far."""
-
-    __slots__ = ("absent", "items", "outer", "related", "strengths", "values", "words")
-
-    NOWHERE: ClassVar[View]
-    """A view of no facts, for expressions that need none."""
-
-    def __init__(self, facts: Facts) -> None:
-        self.values: Mapping[str, Value] = dict(facts)
-        self.absent = ABSENT[TIERS.index(facts.tier)]
-        self.related = facts.related
-        self.items: dict[str, tuple[View, ...]] = {}
-        self.words: dict[str, int] = {}
-        self.strengths: dict[str, float | None] = {}
-        self.outer: View | None = None
-
-    def things(self, collection: str) -> tuple[View, ...] | Unknown:
-        """Views of the related things; what is absent of them does not exist."""
-        found = self.items.get(collection)
-        if found is not None:
-            return found
-        if collection not in self.related:
-            return self.absent[TIERS.index(RELATED[collection].tier)]
-        views = tuple(View(facts) for facts in self.related[collection])
-        for view in views:
-            view.outer, view.absent = self, ALL_MEASURED
-        self.items[collection] = views
-        return views
-
-
-View.NOWHERE = View(Facts({}, TIERS[-1]))
-
-Evaluate = Callable[[View], Evaluated]
-Match = Callable[[View], int]
-Strength = Callable[[View], float | None]
 
 
 def unknown_of(a: Evaluated, b: Evaluated) -> Unknown:
@@ -368,114 +304,3 @@ def _compile_quantified(collection: str, least: int, inner: Match) -> Match:
         return at_least(least, [inner(thing) for thing in things])
 
     return quantified
-
-
-def compile_strength(
-    condition: Condition, parameters: Mapping[str, float], words: Mapping[str, Sequence[Strength]]
-) -> Strength:
-    """A function of the view that gives the condition's strength (robustness as in signal temporal logic:
-
-    A. Donze, O. Maler, Robust satisfaction of temporal logic over real-valued signals, FORMATS 2010).
-    words: the strengths of the rules that conclude each word.
-    """
-    match condition:
-        case Compare(measured=True, operator=operator) if operator not in ("==", "!="):
-            return _compare_strength(condition, parameters)
-        case Not(condition=inner):
-            negated = compile_strength(inner, parameters, words)
-            return lambda view: None if (value := negated(view)) is None else -value
-        case All(conditions=conditions):
-            return _extreme_strength([compile_strength(part, parameters, words) for part in conditions], 1.0)
-        case Any(conditions=conditions):
-            return _extreme_strength([compile_strength(part, parameters, words) for part in conditions], -1.0)
-        case Proven(condition=inner):
-            proven = compile_strength(inner, parameters, words)
-            return lambda view: -math.inf if (value := proven(view)) is None else value
-        case Quantified(collection=collection, least=least, condition=inner):
-            return _quantified_strength(collection, least, compile_strength(inner, parameters, words))
-        case WordRef(name=name):
-            return _word_strength(name, _extreme_strength(list(words[name]), -1.0))
-    crisp = compile_condition(condition, parameters)
-    return lambda view: _CRISP_STRENGTH.get(crisp(view))
-
-
-def _word_strength(name: str, of_makers: Strength) -> Strength:
-    """Once for each node, however many rules use the word."""
-
-    def strength(view: View) -> float | None:
-        if name not in view.strengths:
-            view.strengths[name] = of_makers(view)
-        return view.strengths[name]
-
-    return strength
-
-
-_CRISP_STRENGTH = {TRUE: math.inf, FALSE: -math.inf}
-
-
-def distance(a: float, b: float, left_is_limit: bool, right_is_limit: bool) -> float:
-    """(a - b) as a share of the limit of the two, of the larger where neither or both are limits, or where it is 0."""
-    limit = abs(b) if right_is_limit and not left_is_limit else abs(a) if left_is_limit and not right_is_limit else 0.0
-    scale = limit or max(abs(a), abs(b))
-    return (a - b) / scale if scale else 0.0
-
-
-def is_limit(expression: Expression) -> bool:
-    """Whether an expression depends on no fact."""
-    return not any(isinstance(part, FactRef) for part in walk(expression))
-
-
-def _compare_strength(condition: Compare, parameters: Mapping[str, float]) -> Strength:
-    left = compile_expression(condition.left, parameters)
-    right = compile_expression(condition.right, parameters)
-    sign = 1.0 if condition.operator in (">", ">=") else -1.0
-    limits = is_limit(condition.left), is_limit(condition.right)
-    limit = right(View.NOWHERE) if limits[1] else NOTHING
-    if (
-        isinstance(condition.left, FactRef)
-        and not condition.left.outer
-        and not isinstance(limit, Unknown | str)
-        and limit
-    ):
-        name, scale = condition.left.name, sign / abs(limit)
-
-        def fact_strength(view: View) -> float | None:
-            value = view.values.get(name)
-            return None if value is None else (value - limit) * scale  # type: ignore[operator]
-
-        return fact_strength
-
-    def strength(view: View) -> float | None:
-        a, b = left(view), right(view)
-        if a.__class__ is Unknown or b.__class__ is Unknown:
-            return None
-        return sign * distance(a, b, *limits)  # type: ignore[arg-type]
-
-    return strength
-
-
-def _extreme_strength(parts: list[Strength], sign: float) -> Strength:
-    """Smallest of all (sign 1) or largest of any (-1); None where a missing part leaves it open."""
-
-    def strength(view: View) -> float | None:
-        least, missing = math.inf, False
-        for part in parts:
-            value = part(view)
-            if value is None:
-                missing = True
-            elif sign * value < least:
-                least = sign * value
-        return None if missing and least > 0.0 else sign * least
-
-    return strength
-
-
-def _quantified_strength(collection: str, least: int, inner: Strength) -> Strength:
-    def strength(view: View) -> float | None:
-        things = view.things(collection)
-        if isinstance(things, Unknown):
-            return None
-        values = sorted((value for thing in things if (value := inner(thing)) is not None), reverse=True)
-        return values[least - 1] if len(values) >= least else -math.inf
-
-    return strength

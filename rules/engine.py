@@ -25,9 +25,10 @@ from rules.template import Field
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from rules.compile import Compiler, Match, Strength, View
+    from rules.compile import Compiler
     from rules.explain import Explanation
     from rules.resolve import Verdict
+    from rules.view import Match, Strength, View
 
 CACHE_ENTRIES = 50_000
 """Answers kept; the cache is emptied when it is full."""
@@ -120,9 +121,9 @@ class RuleBase:
 
     def judge(self, facts: Facts) -> tuple[Verdict | int, View, dict[int, int]]:
         """The verdict or the tier needed, the view it was taken on, and the outcome of each rule by index."""
-        from rules.compile import View
         from rules.logic import MAY_BE_TRUE, TRUE, tier_of
         from rules.resolve import resolve
+        from rules.view import View
 
         view = View(facts)
         rules = self.definition.rules
@@ -161,7 +162,7 @@ class RuleBase:
     @cached_property
     def strengths(self) -> tuple[Strength, ...]:
         """By how much each rule holds or fails, compiled."""
-        from rules.compile import compile_strength
+        from rules.strength import compile_strength
 
         words: dict[str, list[Strength]] = {name: [] for name in self.definition.words}
         strengths: list[Strength | None] = [None] * len(self.rules)

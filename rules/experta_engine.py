@@ -22,8 +22,8 @@ from types import ModuleType
 from typing import Any
 
 from kernel.errors import DefectError
-from rules.compile import Match, View
 from rules.logic import TRUE, any_of
+from rules.view import Match, View
 
 _import_lock = threading.RLock()
 _LENT_NAMES = (

@@ -13,13 +13,13 @@ from typing import TYPE_CHECKING, Any
 
 from kernel.facts import SPECS, TIERS, Facts, Value
 from kernel.plan import Conclusion, Need, Rejected
-from rules.compile import Unknown, View
 from rules.definition import BANDS, CONCLUSIONS, PREFERENCE, Rule
 from rules.logic import MAY_BE_TRUE, TRUE
 from rules.resolve import EQUAL_CERTAINTY, Candidate, Verdict
 from rules.syntax import Expression
 from rules.template import format_value
 from rules.trace import Reading, Tracer, state_of
+from rules.view import Unknown, View
 
 if TYPE_CHECKING:
     from rules.engine import RuleBase

@@ -10,12 +10,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from functools import lru_cache
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 from kernel.facts import RELATED, SPECS, TIERS, FactSpec
 from rules.document import Scalar
+from rules.grammar import ExpressionError, offset_of, parse
 from rules.problems import Collector, did_you_mean
 from rules.syntax import (
     FUNCTIONS,
@@ -43,9 +42,8 @@ from rules.syntax import (
 if TYPE_CHECKING:
     from typing import Any as Parsed  # a lark Tree, or a Token; lark's own types say less
 
-    from lark import Lark, Token
+    from lark import Token
 
-MAX_EXPRESSION_CHARACTERS = 1_000
 MAX_EXPRESSION_DEPTH = 40
 
 DIMENSIONS: Mapping[str, float | str] = {
@@ -102,27 +100,10 @@ class Scope:
         return [*self.facts, *self.parameters, *self.quantities, *self.words]
 
 
-class ExpressionError(Exception):
-    """One thing that is wrong in an expression, at an offset into its text."""
-
-    def __init__(self, offset: int, message: str) -> None:
-        super().__init__(message)
-        self.offset = offset
-        self.message = message
-
-
-@lru_cache(maxsize=1)
-def _grammar() -> Lark:
-    from lark import Lark
-
-    text = Path(__file__).with_name("expression.lark").read_text(encoding="utf-8")
-    return Lark(text, parser="lalr", propagate_positions=True, maybe_placeholders=False)
-
-
 def parse_condition(source: Scalar, scope: Scope, problems: Collector) -> Condition | None:
     """The condition that `source` says; None, with the problem noted, where it cannot be read."""
     try:
-        return _Builder(source, scope).condition(_tree(source))
+        return _Builder(source, scope).condition(parse(source.text))
     except ExpressionError as error:
         problems.error(source.at(error.offset), error.message)
         return None
@@ -131,56 +112,13 @@ def parse_condition(source: Scalar, scope: Scope, problems: Collector) -> Condit
 def parse_quantity(source: Scalar, scope: Scope, problems: Collector) -> Typed | None:
     """The numeric expression that `source` says; None, with the problem noted, where it cannot be read."""
     try:
-        typed = _Builder(source, scope).expression(_tree(source))
+        typed = _Builder(source, scope).expression(parse(source.text))
         if isinstance(typed.dimension, str):
             raise ExpressionError(0, f"{dimension_name(typed.dimension)}, expected a number")
     except ExpressionError as error:
         problems.error(source.at(error.offset), error.message)
         return None
     return typed
-
-
-def _tree(source: Scalar) -> Parsed:
-    """The parse tree; ExpressionError for text that the grammar does not know."""
-    from lark import Tree
-    from lark.exceptions import UnexpectedCharacters, UnexpectedEOF, UnexpectedToken
-
-    text = source.text
-    if not text.strip():
-        raise ExpressionError(0, "an empty condition, expected a comparison such as slenderness >= 10")
-    if len(text) > MAX_EXPRESSION_CHARACTERS:
-        raise ExpressionError(
-            0, f"an expression of {len(text)} characters, expected at most {MAX_EXPRESSION_CHARACTERS}"
-        )
-    try:
-        start = _grammar().parse(text)
-    except UnexpectedCharacters as error:
-        offset = error.pos_in_stream or 0
-        raise ExpressionError(offset, f"unexpected {text[offset]!r}{_advice(text, offset)}") from None
-    except UnexpectedEOF:
-        raise ExpressionError(len(text), "the expression ends too early, expected a value") from None
-    except UnexpectedToken as error:
-        if error.token.type == "$END":
-            raise ExpressionError(len(text), "the expression ends too early, expected a value") from None
-        offset = error.token.start_pos or 0
-        raise ExpressionError(offset, f"unexpected {str(error.token)!r}{_advice(text, offset)}") from None
-    assert isinstance(start, Tree)
-    return start.children[0]
-
-
-def _advice(text: str, offset: int) -> str:
-    """What was probably meant, for signs that other languages use."""
-    around = text[max(offset - 1, 0) : offset + 2]
-    for sign, meant in (("=>", ">="), ("=<", "<="), ("<>", "!="), ("&&", "and"), ("||", "or"), ("^", "**")):
-        if sign in around:
-            return f", write {meant}"
-    if text[offset] == "=":
-        return ", write == to compare"
-    if text[offset] == "!":
-        return ", write not"
-    if text[offset] == "%":
-        return ", write a share such as 0.05"
-    return ", expected an operator (and, or, <, <=, ==, >, >=, !=, +, -, *, /)"
 
 
 class _Builder:
@@ -197,14 +135,14 @@ class _Builder:
         """The condition that `tree` is."""
         self._depth += 1
         if self._depth > MAX_EXPRESSION_DEPTH:
-            raise ExpressionError(_offset(tree), f"nested deeper than {MAX_EXPRESSION_DEPTH} levels")
+            raise ExpressionError(offset_of(tree), f"nested deeper than {MAX_EXPRESSION_DEPTH} levels")
         try:
             return self._condition(tree)
         finally:
             self._depth -= 1
 
     def _condition(self, tree: Parsed) -> Condition:
-        place = self._source.at(_offset(tree))
+        place = self._source.at(offset_of(tree))
         parts = tree.children
         match tree.data:
             case "any_of":
@@ -226,13 +164,13 @@ class _Builder:
                 return Not(Known(self._fact_based(parts[0]), place=place), place=place)
             case "call" if str(parts[0]) == "proven":
                 if len(parts) != 2:
-                    raise ExpressionError(_offset(tree), f"proven takes one condition, found {len(parts) - 1}")
+                    raise ExpressionError(offset_of(tree), f"proven takes one condition, found {len(parts) - 1}")
                 return Proven(self.condition(parts[1]), place=place)
             case "name":
                 return self._truth(parts[0])
         typed = self.expression(tree)
         raise ExpressionError(
-            _offset(tree), f"{dimension_name(typed.dimension)} alone, expected a comparison such as slenderness >= 10"
+            offset_of(tree), f"{dimension_name(typed.dimension)} alone, expected a comparison such as slenderness >= 10"
         )
 
     def _truth(self, token: Token) -> Condition:
@@ -251,7 +189,7 @@ class _Builder:
     def _compare(self, left_tree: Parsed, sign: Token, right_tree: Parsed) -> Condition:
         left, right = self._sides(left_tree, right_tree)
         operator, offset = str(sign), sign.start_pos or 0
-        place = self._source.at(_offset(left_tree))
+        place = self._source.at(offset_of(left_tree))
         if "text" in (left.dimension, right.dimension):
             if left.dimension != right.dimension:
                 a, b = dimension_name(left.dimension), dimension_name(right.dimension)
@@ -263,7 +201,7 @@ class _Builder:
                 return member if operator == "==" else Not(member, place=place)
             raise ExpressionError(offset, "expected a text fact on the left and one of its values on the right")
         if "boolean" in (left.dimension, right.dimension):
-            name = self._source.text[_offset(left_tree) : offset].strip()
+            name = self._source.text[offset_of(left_tree) : offset].strip()
             raise ExpressionError(offset, f"a truth value compared, write {name} or not {name}")
         has_zero = Number(0.0) in (left.expression, right.expression)
         if left.dimension != right.dimension and not has_zero:
@@ -296,13 +234,13 @@ class _Builder:
     def _member(self, parts: list) -> Condition:
         fact = self._text_fact(parts[0])
         if fact is None:
-            raise ExpressionError(_offset(parts[0]), "`in` asks whether a text fact has one of several values")
+            raise ExpressionError(offset_of(parts[0]), "`in` asks whether a text fact has one of several values")
         values = []
         for part in parts[1:]:
             choice = self._choice(part.children[0], fact.choices).expression
             assert isinstance(choice, Text)
             values.append(choice.value)
-        return Member(fact.expression, tuple(sorted(set(values))), place=self._source.at(_offset(parts[0])))
+        return Member(fact.expression, tuple(sorted(set(values))), place=self._source.at(offset_of(parts[0])))
 
     # ---- expressions
 
@@ -310,14 +248,14 @@ class _Builder:
         """The value that `tree` is, with its dimension."""
         self._depth += 1
         if self._depth > MAX_EXPRESSION_DEPTH:
-            raise ExpressionError(_offset(tree), f"nested deeper than {MAX_EXPRESSION_DEPTH} levels")
+            raise ExpressionError(offset_of(tree), f"nested deeper than {MAX_EXPRESSION_DEPTH} levels")
         try:
             return self._expression(tree)
         finally:
             self._depth -= 1
 
     def _expression(self, tree: Parsed) -> Typed:
-        offset = _offset(tree)
+        offset = offset_of(tree)
         place = self._source.at(offset)
         parts = tree.children
         match tree.data:
@@ -348,14 +286,16 @@ class _Builder:
     def _number(self, tree: Parsed) -> Typed:
         typed = self.expression(tree)
         if isinstance(typed.dimension, str):
-            raise ExpressionError(_offset(tree), f"{dimension_name(typed.dimension)}, expected a number")
+            raise ExpressionError(offset_of(tree), f"{dimension_name(typed.dimension)}, expected a number")
         return typed
 
     def _arithmetic(self, left_tree: Parsed, sign: Token, right_tree: Parsed) -> Typed:
         left, right = self._number(left_tree), self._number(right_tree)
         operator, offset = str(sign), sign.start_pos or 0
         assert not isinstance(left.dimension, str) and not isinstance(right.dimension, str)
-        expression = Arithmetic(operator, left.expression, right.expression, place=self._source.at(_offset(left_tree)))
+        expression = Arithmetic(
+            operator, left.expression, right.expression, place=self._source.at(offset_of(left_tree))
+        )
         if operator in "+-":
             if left.dimension != right.dimension:
                 a, b = dimension_name(left.dimension), dimension_name(right.dimension)
@@ -368,8 +308,8 @@ class _Builder:
         base, exponent = self._number(base_tree), self._number(exponent_tree)
         assert not isinstance(base.dimension, str)
         if not isinstance(exponent.expression, Number) or abs(exponent.expression.value) > 6:
-            raise ExpressionError(_offset(exponent_tree), "a power, expected a plain number from -6 to 6")
-        expression = Arithmetic("**", base.expression, exponent.expression, place=self._source.at(_offset(base_tree)))
+            raise ExpressionError(offset_of(exponent_tree), "a power, expected a plain number from -6 to 6")
+        expression = Arithmetic("**", base.expression, exponent.expression, place=self._source.at(offset_of(base_tree)))
         return Typed(expression, base.dimension * exponent.expression.value)
 
     def _call(self, token: Token, argument_trees: list) -> Typed:
@@ -386,7 +326,7 @@ class _Builder:
         for tree, argument in zip(argument_trees, arguments, strict=True):
             if argument.dimension != dimension:
                 a, b = dimension_name(dimension), dimension_name(argument.dimension)
-                raise ExpressionError(_offset(tree), f"{name} of {a} and {b}, expected the same dimension")
+                raise ExpressionError(offset_of(tree), f"{name} of {a} and {b}, expected the same dimension")
         assert not isinstance(dimension, str)
         call = Call(name, tuple(argument.expression for argument in arguments), place=self._source.at(offset))
         return Typed(call, dimension * {"sqrt": 0.5, "cbrt": 1.0 / 3.0}.get(name, 1.0))
@@ -433,11 +373,3 @@ def _is_measured(expression: Expression) -> bool:
 
 def _is_word(tree: Parsed) -> bool:
     return getattr(tree, "data", None) in ("name", "text")
-
-
-def _offset(tree: Parsed) -> int:
-    """Where the text of `tree` begins."""
-    meta = getattr(tree, "meta", None)
-    if meta is not None:
-        return int(getattr(meta, "start_pos", 0) or 0)
-    return int(tree.start_pos or 0)

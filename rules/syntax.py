@@ -202,6 +202,11 @@ def walk(item: Expression | Condition) -> Iterator[Expression | Condition]:
         yield from walk(child)
 
 
+def is_limit(expression: Expression) -> bool:
+    """Whether an expression depends on no fact."""
+    return not any(isinstance(part, FactRef) for part in walk(expression))
+
+
 def number_text(value: float) -> str:
     """A number as an analyst would write it."""
     return f"{value:.10g}"

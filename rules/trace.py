@@ -10,8 +10,9 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from kernel.facts import TIERS
-from rules.compile import NOTHING, Compiler, Unknown, View, distance, is_limit
+from rules.compile import Compiler
 from rules.logic import FALSE, MISSING, TRUE, tier_of
+from rules.strength import distance
 from rules.syntax import (
     All,
     Any,
@@ -26,9 +27,11 @@ from rules.syntax import (
     Quantified,
     Truth,
     WordRef,
+    is_limit,
     text_of,
 )
 from rules.template import format_value
+from rules.view import NOTHING, Unknown, View
 
 NEGATED = {"<": ">=", "<=": ">", ">": "<=", ">=": "<", "==": "!=", "!=": "=="}
 

@@ -8,10 +8,10 @@ from typing import Any
 from kernel.errors import CsgmeshError
 from kernel.facts import Facts
 from rules.analysis.cases import Describe, facts_of
-from rules.compile import View
 from rules.engine import RuleBase
 from rules.logic import TRUE
 from rules.trace import Tracer
+from rules.view import View
 
 
 @dataclass(frozen=True, slots=True)

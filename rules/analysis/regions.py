@@ -11,7 +11,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 
 from kernel.facts import SPECS
-from rules.compile import Compiler, Unknown, View, is_limit
+from rules.compile import Compiler
 from rules.syntax import (
     All,
     Any,
@@ -25,10 +25,12 @@ from rules.syntax import (
     Proven,
     Truth,
     WordRef,
+    is_limit,
     number_text,
     text_of,
 )
 from rules.trace import NEGATED
+from rules.view import Unknown, View
 
 MAX_BOXES = 400
 """A condition of more boxes is not analysed."""
