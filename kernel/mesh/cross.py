@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kernel.mesh.constrained import Edges
-from kernel.numeric.front import grow_front
+from kernel.numeric.front import EARLY, LATE, RING, grow_front
 from kernel.numeric.halfedge import BOUNDARY
 
 _SCREEN = 0.2
@@ -40,18 +40,28 @@ def dominant_cross(
     return math.cos(angle), math.sin(angle), screen
 
 
+def growth_order(
+    n_point: int, edges: Edges, is_curved: NDArray[np.bool_], is_small_ring: NDArray[np.bool_] | None = None
+) -> NDArray[np.uint8]:
+    """When each point grows (see numeric.front): points of curves only late, those of small holes first.
+
+    is_curved, is_small_ring: (n_edge,).
+    """
+    order = np.zeros(n_point, np.uint8)
+    small = is_curved & is_small_ring if is_small_ring is not None else np.zeros(len(is_curved), np.bool_)
+    for chosen, when in ((is_curved, LATE), (small, RING), (~is_curved, EARLY)):
+        order[edges.start[chosen]] = when
+        order[edges.end[chosen]] = when
+    return order
+
+
 def grow(
     points: NDArray[np.float64],
     edges: Edges,
-    is_curved: NDArray[np.bool_],
+    order: NDArray[np.uint8],
     size: float,
     cross: tuple[float, float, float],
 ) -> NDArray[np.float64]:
-    """The points, then the nodes of the square front. is_curved: (n_edge,); cross: see dominant_cross."""
-    is_curved_point = np.zeros(len(points), np.uint8)
-    for ends in (edges.start, edges.end):
-        is_curved_point[ends[is_curved]] = 1
-    for ends in (edges.start, edges.end):
-        is_curved_point[ends[~is_curved]] = 0
+    """The points, then the nodes of the square front. order: see growth_order; cross: see dominant_cross."""
     cosine, sine, screen = cross
-    return grow_front(points, *edges.arrays, is_curved_point, float(size), cosine, sine, screen, _GROWTH)
+    return grow_front(points, *edges.arrays, order, float(size), cosine, sine, screen, _GROWTH)

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kernel.mesh.constrained import Triangulation, constrained, edges_of
-from kernel.mesh.cross import dominant_cross, grow
+from kernel.mesh.cross import dominant_cross, grow, growth_order
 from kernel.mesh.region import Region, RegionMesh
 from kernel.mesh.triangles import compact
 from kernel.numeric.match import match_triangles
@@ -29,7 +29,8 @@ def mixed_mesh(region: Region, size: float) -> RegionMesh:
     points = np.ascontiguousarray(region.points, dtype=np.float64)
     n_point = len(points)
     edges = edges_of(region)
-    nodes = grow(points, edges, region.is_curved, size, dominant_cross(points, edges, region.is_curved))
+    order = growth_order(n_point, edges, region.is_curved)
+    nodes = grow(points, edges, order, size, dominant_cross(points, edges, region.is_curved))
     triangulation = constrained(nodes, n_point, edges, 0)
     is_fixed = (np.arange(len(nodes)) < n_point).astype(np.uint8)
     n_triangle = triangulation.n_triangle

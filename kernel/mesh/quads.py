@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from kernel.errors import MeshError
 from kernel.mesh.constrained import Edges, constrained, edges_of
-from kernel.mesh.cross import dominant_cross, grow
+from kernel.mesh.cross import dominant_cross, grow, growth_order
 from kernel.mesh.mixed import mixed_mesh
 from kernel.mesh.region import Region, RegionMesh
 from kernel.mesh.repair import repaired
@@ -24,6 +24,14 @@ from kernel.numeric.split import given_middles, midpoint_split
 _LEAST_PAIR = 0.65
 """Scaled Jacobian under which a pair of triangles is left as two triangles, each cut in three quads."""
 _PATH_DEPTH = 8
+_PASSES = (4, 3, 4)
+"""Passes of smoothing: Laplacian, angle bisecting, pattern search. Found by trial, as are the limits below."""
+_ACTIVE_UNDER = 0.97
+_GOOD_ENOUGH = 0.85
+_BISECT_UNDER = 0.9
+_SEARCH_UNDER = 0.8
+_SMALL_RING = 4
+"""A hole of so few coarse edges is a square in the coarse mesh and is given a ring of quads of its own."""
 
 
 def coarse_edges(
@@ -65,7 +73,9 @@ def quad_mesh(region: Region, size: float, is_vertex: NDArray[np.bool_] | None =
         np.ascontiguousarray(coarse_number[pairs[:, 1]]),
         edges.kind[pairs[:, 3]],
     )
-    nodes = grow(points[kept], coarse, region.is_curved[pairs[:, 3]], 2 * size, cross)
+    is_small_ring = (pairs[:, 5] > 0) & (pairs[:, 5] <= _SMALL_RING)
+    order = growth_order(len(kept), coarse, region.is_curved[pairs[:, 3]], is_small_ring)
+    nodes = grow(points[kept], coarse, order, 2 * size, cross)
     try:
         triangulation = constrained(nodes, len(kept), coarse, 0)
     except MeshError:  # chords of the coarse mesh cross where curves nearly touch; the region itself may be sound
@@ -84,4 +94,7 @@ def quad_mesh(region: Region, size: float, is_vertex: NDArray[np.bool_] | None =
 
 def smooth(nodes: NDArray[np.float64], quads: NDArray[np.integer], is_fixed: NDArray[np.bool_]) -> None:
     """Smooth the free nodes, in place."""
-    smooth_quads(nodes, np.ascontiguousarray(quads, np.int32), is_fixed.astype(np.uint8), 6, 4, 0.97, 0.8, 0.85, 2)
+    quads = np.ascontiguousarray(quads, np.int32)
+    smooth_quads(
+        nodes, quads, is_fixed.astype(np.uint8), *_PASSES, _ACTIVE_UNDER, _GOOD_ENOUGH, _BISECT_UNDER, _SEARCH_UNDER, 2
+    )

@@ -31,10 +31,11 @@ def _turn(points, a, b, c):
 
 @compiled
 def pair_edges(points, start, end, kind, is_given_vertex, dominant_cos, dominant_sin):
-    """Coarse start, end, middle, first and second fine edge: (n_coarse, 5) int32, and an edge of an odd chain, or -1.
+    """Coarse edges, (n_coarse, 6) int32, and an edge of a chain of odd number, or -1.
 
-    Coarse edges run as their fine edges do (boundaries with the region on their left). is_given_vertex: (n_point,)
-    uint8, points that stay coarse nodes whatever meets there.
+    Columns: start, end, middle, first and second fine edge, coarse edges of the ring (0 for what is no ring of its
+    own). Coarse edges run as their fine edges do (boundaries with the region on their left). is_given_vertex:
+    (n_point,) uint8, points that stay coarse nodes whatever meets there.
     """
     n_point = len(points)
     n_edge = len(start)
@@ -58,7 +59,7 @@ def pair_edges(points, start, end, kind, is_given_vertex, dominant_cos, dominant
     is_done = np.zeros(n_edge, np.uint8)
     chain = np.empty(n_edge, np.int32)
     nodes = np.empty(n_edge + 1, np.int32)
-    coarse = np.empty((n_edge // 2 + 1, 5), np.int32)
+    coarse = np.empty((n_edge // 2 + 1, 6), np.int32)
     n_coarse = 0
     odd = -1
     for sweep in range(2):  # chains from vertices first, then the rings that are left
@@ -114,5 +115,6 @@ def pair_edges(points, start, end, kind, is_given_vertex, dominant_cos, dominant
                     coarse[n_coarse, 2] = middle
                     coarse[n_coarse, 3] = e
                     coarse[n_coarse, 4] = f
+                    coarse[n_coarse, 5] = n // 2 if v == origin else 0
                     n_coarse += 1
     return coarse[:n_coarse].copy(), odd

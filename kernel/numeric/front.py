@@ -5,7 +5,8 @@
         o---p---o       _NODE_CLEARANCE sizes), no edge nearer than _EDGE_CLEARANCE, and it is inside.
             |
             o           Straight boundaries go first and curved ones last, so that the regular mesh of the
-                        plate runs up to the holes and the irregular nodes gather at them.
+                        plate runs up to the holes and the irregular nodes gather at them. Holes
+                        of four coarse edges fit in as squares: they grow a ring of their own before all.
 
 Sizes: the cells' wanted size is the length of short edges there, growing by `growth` per cell.
 Degenerate cases: a candidate across an edge is refused by an exact crossing test; inside or outside is told by the
@@ -27,6 +28,10 @@ from kernel.numeric.halfedge import BOUNDARY
 _NODE_CLEARANCE = 0.7
 _EDGE_CLEARANCE = 0.6
 _QUARTER = math.pi / 2
+EARLY = 0
+LATE = 1
+RING = 2
+"""When a region's node grows. RING: before all others, one ring of nodes that then waits for the late ones."""
 
 
 @compiled
@@ -109,10 +114,10 @@ def _is_inside_and_free(
 
 
 @compiled
-def grow_front(points, start, end, kind, is_curved, size, dominant_cos, dominant_sin, screen, growth):
+def grow_front(points, start, end, kind, order, size, dominant_cos, dominant_sin, screen, growth):
     """The region's coarse points (n_point, 2), then the nodes grown: (n, 2).
 
-    is_curved: (n_point,) uint8, nodes of curved boundaries, which grow last. size: of coarse edges.
+    order: (n_point,) uint8, EARLY, LATE or RING. size: of coarse edges.
     """
     n_point = len(points)
     x_low, y_low, x_high, y_high = bounds(points)
@@ -140,8 +145,9 @@ def grow_front(points, start, end, kind, is_curved, size, dominant_cos, dominant
         for v in (a, b):
             tangent_cos[v] += math.cos(angle)
             tangent_sin[v] += math.sin(angle)
-    queue = np.empty(most, np.int32)
-    late = np.empty(n_point, np.int32)
+    queue = np.empty(2 * most, np.int32)
+    late = np.empty(most, np.int32)
+    of_ring = np.zeros(most, np.uint8)  # 1 grows a ring, 2 is part of one
     tail = 0
     n_late = 0
     copy_points(points, nodes)
@@ -153,12 +159,17 @@ def grow_front(points, start, end, kind, is_curved, size, dominant_cos, dominant
         k = int((points[i, 1] - y0) / size) * n_x + int((points[i, 0] - x0) / size)
         successor[i] = head[k]
         head[k] = i
-        if is_curved[i] != 0:
-            late[n_late] = i
-            n_late += 1
-        else:
+        if order[i] == RING:
             queue[tail] = i
             tail += 1
+            of_ring[i] = 1
+    for i in range(n_point):
+        if order[i] == EARLY:
+            queue[tail] = i
+            tail += 1
+        elif order[i] == LATE:
+            late[n_late] = i
+            n_late += 1
     n = n_point
     first = 0
     while n < most:
@@ -168,9 +179,14 @@ def grow_front(points, start, end, kind, is_curved, size, dominant_cos, dominant
             for i in range(n_late):
                 queue[tail] = late[i]
                 tail += 1
+                of_ring[late[i]] = 0
             n_late = 0
         p = np.int64(queue[first])
         first += 1
+        if of_ring[p] == 2:
+            late[n_late] = p
+            n_late += 1
+            continue
         px = nodes[p, 0]
         py = nodes[p, 1]
         step = size
@@ -204,6 +220,8 @@ def grow_front(points, start, end, kind, is_curved, size, dominant_cos, dominant
             nodes[n, 0] = x
             nodes[n, 1] = y
             angles[n] = angle
+            if of_ring[p] == 1:
+                of_ring[n] = 2
             k = j * n_x + i
             successor[n] = head[k]
             head[k] = n

@@ -2,8 +2,8 @@
 
 Active are the free nodes of quads under a scaled Jacobian, and a few rings about them. First they move towards the
 mean of their neighbours, blended with the corners that would complete parallelograms (which pulls towards squares);
-a move stays if the worst corner about the node is not worse than before, or good enough. Then a pattern search lifts
-what is still bad. Aspect enters both measures: with angles alone it reaches 16.
+a move stays if the worst corner about the node is not worse than before, or good enough. Then angles are bisected,
+and a pattern search lifts what is still bad. Aspect enters both measures: with angles alone it reaches 16.
 
     c---b      node v of quad v, a, b, c: parallelogram completion a + c - b
     |   |
@@ -140,8 +140,88 @@ def worst_shape_about(nodes, quads, offset, incidence, v, x, y):
 
 
 @compiled
-def smooth_quads(nodes, quads, is_fixed, n_pass, n_search, active_under, search_under, good_enough, n_ring):
-    """Move the free nodes, in place. n_pass Laplacian and n_search pattern-search passes."""
+def _far_corner(quads, offset, incidence, v, neighbour):
+    """The node next to `neighbour`, other than v, in the quad that has v just after `neighbour`; -1 for none."""
+    for w in range(offset[v], offset[v + 1]):
+        i = incidence[w] // 4
+        j = incidence[w] % 4
+        if quads[i, (j + 3) % 4] == neighbour:
+            return quads[i, (j + 2) % 4]
+    return np.int32(-1)
+
+
+@compiled
+def bisect_angles(nodes, quads, offset, incidence, active, n_active, n_pass, under):
+    r"""Move nodes to where their spokes bisect the angles at the far ends; in place, never for the worse.
+
+    Zhou and Shimada 2000, An angle-based approach to two-dimensional mesh smoothing. Only nodes whose worst corner
+    shape is below `under` are tried.
+
+        left            the spoke from `end` to v should halve the angle at `end` between its
+          \             neighbours in the two quads that share it; v goes to the mean of what
+          end - - v     its spokes wish
+          /
+        right
+    """
+    for _ in range(n_pass):
+        for z in range(n_active):
+            v = active[z]
+            x = nodes[v, 0]
+            y = nodes[v, 1]
+            before = worst_shape_about(nodes, quads, offset, incidence, v, x, y)
+            if before >= under:
+                continue
+            total_x = 0.0
+            total_y = 0.0
+            n_spoke = 0
+            for w in range(offset[v], offset[v + 1]):
+                i = incidence[w] // 4
+                j = incidence[w] % 4
+                end = quads[i, (j + 1) % 4]
+                left = quads[i, (j + 2) % 4]
+                right = _far_corner(quads, offset, incidence, v, end)
+                if right < 0:
+                    continue
+                left_x = nodes[left, 0] - nodes[end, 0]
+                left_y = nodes[left, 1] - nodes[end, 1]
+                right_x = nodes[right, 0] - nodes[end, 0]
+                right_y = nodes[right, 1] - nodes[end, 1]
+                left_length = math.sqrt(left_x * left_x + left_y * left_y)
+                right_length = math.sqrt(right_x * right_x + right_y * right_y)
+                # across the difference of the two unit vectors, on the side of v
+                across_x = right_y / right_length - left_y / left_length
+                across_y = left_x / left_length - right_x / right_length
+                across = math.sqrt(across_x * across_x + across_y * across_y) + 1e-300
+                spoke_x = x - nodes[end, 0]
+                spoke_y = y - nodes[end, 1]
+                spoke = math.sqrt(spoke_x * spoke_x + spoke_y * spoke_y)
+                if across_x * spoke_x + across_y * spoke_y < 0:
+                    spoke = -spoke
+                total_x += nodes[end, 0] + across_x / across * spoke
+                total_y += nodes[end, 1] + across_y / across * spoke
+                n_spoke += 1
+            if n_spoke == 0:
+                continue
+            to_x = total_x / n_spoke
+            to_y = total_y / n_spoke
+            for _attempt in range(2):
+                if worst_shape_about(nodes, quads, offset, incidence, v, to_x, to_y) >= before:
+                    nodes[v, 0] = to_x
+                    nodes[v, 1] = to_y
+                    break
+                to_x = 0.5 * (to_x + x)
+                to_y = 0.5 * (to_y + y)
+
+
+@compiled
+def smooth_quads(
+    nodes, quads, is_fixed, n_pass, n_bisect, n_search, active_under, good_enough, bisect_under, search_under, n_ring
+):
+    """Move the free nodes, in place: n_pass Laplacian, n_bisect angle-bisecting and n_search pattern-search passes.
+
+    active_under: scaled Jacobian of the quads that wake their nodes, and n_ring rings about them; good_enough: mean
+    ratio from which a Laplacian move needs no comparison; bisect_under, search_under: corner shapes to be raised.
+    """
     n_node = len(nodes)
     offset, incidence = quads_about(quads, n_node)
     is_active = np.zeros(n_node, np.uint8)
@@ -190,6 +270,7 @@ def smooth_quads(nodes, quads, is_fixed, n_pass, n_search, active_under, search_
                     break
                 to_x = 0.5 * (to_x + x)
                 to_y = 0.5 * (to_y + y)
+    bisect_angles(nodes, quads, offset, incidence, active, n_active, n_bisect, bisect_under)
     for _ in range(n_search):
         for z in range(n_active):
             v = active[z]
