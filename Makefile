@@ -9,7 +9,7 @@ SETUP := $(VENV)/.setup
 TEST_SETUP := $(VENV)/.setup-test
 JOBS ?= auto
 
-.PHONY: demo test serve lint setup clean
+.PHONY: demo test serve lint setup verification clean
 
 demo: $(SETUP)
 	mkdir -p out
@@ -27,6 +27,10 @@ lint: $(TEST_SETUP)
 	$(BIN)/ruff format --check .
 	$(BIN)/python -m mypy
 	$(BIN)/lint-imports
+
+# docs/verification.md, from MYSTRAN's and CalculiX's own output (some minutes).
+verification: $(TEST_SETUP)
+	PYTHONPATH=bench $(BIN)/python -m verification
 
 setup: $(SETUP)
 

@@ -1,0 +1,423 @@
+"""The cases: each a CSG text, its representations by override, loads, and a closed form with its source."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from functools import cache
+
+import numpy as np
+
+from app.pipeline import Meshed, classify, mesh
+from kernel.connect.couplings import nodes_with_rotations
+from kernel.connect.model import Model
+from kernel.csg.reader import read_model
+from kernel.errors import DeckError
+from kernel.idealise.section import SectionProperties, section_properties
+from kernel.mesh.options import MeshOptions
+from kernel.plan import Override
+from verification.loading import (
+    Case,
+    at,
+    ccx,
+    frequencies,
+    held_at,
+    mystran,
+    nodes_where,
+    pressed,
+    spread,
+    weights,
+)
+from verification.solvers import SolverFailed
+
+E, NU, RHO = 210000.0, 0.3, 7.85e-9
+G = E / 2 / (1 + NU)
+SOLVERS = ("MYSTRAN", "CalculiX")
+
+
+@dataclass(frozen=True)
+class Row:
+    """One number against its reference; limit: the share that it may differ by. value None: refused, note says why."""
+
+    case: str
+    quantity: str
+    representation: str
+    solver: str
+    value: float | None
+    reference: float
+    limit: float
+    freedoms: int
+    note: str = ""
+
+    @property
+    def error(self) -> float | None:
+        return None if self.value is None else self.value / self.reference - 1
+
+    @property
+    def holds(self) -> bool:
+        return self.error is None or abs(self.error) <= self.limit
+
+
+def freedoms(model: Model) -> int:
+    """Six at nodes of beams and shells, three at the others."""
+    turning = nodes_with_rotations(model.mesh)
+    return int(6 * turning.sum() + 3 * (~turning).sum())
+
+
+@cache
+def built(text: str, overrides: tuple[tuple[str, str], ...] = (), **options) -> Meshed:
+    """The text through csgmesh; `coupling` apart, options are MeshOptions'."""
+    coupling = options.pop("coupling", "distributing")
+    pinned = {node: Override(kind) for node, kind in overrides}
+    meshed = mesh(classify(read_model(text, "case.csg"), overrides=pinned), MeshOptions(**options), coupling=coupling)
+    if not meshed.checks.passed:
+        raise AssertionError("; ".join(meshed.checks.failures))
+    return meshed
+
+
+def solved(solver: str, model: Model, case: Case, **options):
+    return mystran(model, case) if solver == "MYSTRAN" else ccx(model, case, **options)
+
+
+def rows(row: Row, model: Model, measure: Callable[[str], float], solvers=SOLVERS) -> Iterator[Row]:
+    """The row for each solver; a deck that a format refuses is reported as such."""
+    for solver in solvers:
+        filled = replace(row, solver=solver, freedoms=freedoms(model))
+        try:
+            yield replace(filled, value=float(measure(solver)))
+        except DeckError as error:
+            yield replace(filled, note=f"refused: {error}")
+        except SolverFailed as error:
+            raise AssertionError(f"{row.case}, {row.representation}, {solver}: {error}") from error
+
+
+def blank(case: str, quantity: str, representation: str, reference: float, limit: float, note: str = "") -> Row:
+    return Row(case, quantity, representation, "", None, reference, limit, 0, note)
+
+
+# ---------------------------------------------------------------- cantilevers
+
+LENGTH = 1000.0
+I_TEXT = """LOW = BLO({x}, 100, 8)
+WEB = BLO({x}, 6, 84) AT (MOVY=47, MOVZ=8)
+TOP = BLO({x}, 100, 8) AT (MOVZ=92)
+BEAM = LOW UN WEB UN TOP
+OUT BEAM
+"""
+C_TEXT = """LOW = BLO({x}, 60, 6)
+WEB = BLO({x}, 6, 88) AT (MOVZ=6)
+TOP = BLO({x}, 60, 6) AT (MOVZ=94)
+BEAM = LOW UN WEB UN TOP
+OUT BEAM
+"""
+BOX_TEXT = "BEAM = BLO({x}, 80, 100) DIF (BLO({x}, 72, 92) AT (MOVY=4, MOVZ=4))\nOUT BEAM\n"
+
+PROFILES = {
+    # text, which way the load goes, and which nodes of the tip carry it
+    "I 100 x 100 x 6 x 8": (I_TEXT, 2, lambda p: np.abs(p[:, 1] - 50) < 3.1),
+    "C 60 x 100 x 6": (C_TEXT, 1, lambda p: np.full(len(p), True)),
+    "box 80 x 100 x 4": (BOX_TEXT, 2, lambda p: (p[:, 1] < 4.1) | (p[:, 1] > 75.9)),
+}
+REPRESENTATIONS = (("beam", 0.005), ("plates", 0.035), ("brick", 0.03))
+
+
+def _section(text: str) -> SectionProperties:
+    (element,) = built(text.format(x=LENGTH), (("/", "beam"),)).model.properties
+    assert element.section is not None
+    return section_properties(element.section.outline)
+
+
+def _stiffness(section: SectionProperties, axis: int, model: Model) -> tuple[float, float]:
+    """Second moment and shear area for a load along global axis 1 or 2 (the section's own y may lie along either)."""
+    (block,) = model.mesh.blocks
+    along_y = abs(block.orientation[0][axis]) > 0.5
+    return (section.izz, section.shear_area_y) if along_y else (section.iyy, section.shear_area_z)
+
+
+def cantilevers() -> Iterator[Row]:
+    """Tip deflection under 1000 N: F L^3 / 3 E I + F L / G A_s (Timoshenko, Strength of Materials I, 39)."""
+    for name, (text, axis, carries) in PROFILES.items():
+        second, shear = _stiffness(_section(text), axis, built(text.format(x=LENGTH), (("/", "beam"),)).model)
+        reference = 1000 * LENGTH**3 / (3 * E * second) + 1000 * LENGTH / (G * shear)
+        for representation, limit in REPRESENTATIONS:
+            size = {"beam": 50.0, "plates": 16.0, "brick": 10.0}[representation]
+            model = built(text.format(x=LENGTH), (("/", representation),), size=size).model
+            tip = at(0, LENGTH)
+
+            def pick(places, tip=tip, carries=carries, beam=representation == "beam"):
+                return tip(places) & (True if beam else carries(places))
+
+            force = np.zeros(3)
+            force[axis] = -1000.0
+            case = Case(held_at(model, at(0, 0)), spread(model, pick, force))
+
+            def measure(solver, model=model, case=case, axis=axis):
+                moved = solved(solver, model, case).displacements
+                share = {node: abs(f[axis]) for node, f in case.forces.items()}
+                return sum(-moved[node, axis] * w for node, w in share.items()) / sum(share.values())
+
+            yield from rows(blank(f"cantilever {name}", "tip, mm", representation, reference, limit), model, measure)
+
+
+def vibrations() -> Iterator[Row]:
+    """First frequency at 2.5 m: 3.516 / 2 pi sqrt(E I / rho A L^4), the weaker axis (Blevins, table 8-1)."""
+    length = 2500.0
+    for name, (text, _, _) in PROFILES.items():
+        section = _section(text)
+        weak = min(section.iyy, section.izz)
+        reference = 3.5160 / (2 * math.pi) * math.sqrt(E * weak / (RHO * section.area * length**4))
+        for representation, _ in REPRESENTATIONS:
+            size = {"beam": 50.0, "plates": 25.0, "brick": 20.0}[representation]
+            model = built(text.format(x=length), (("/", representation),), size=size).model
+            held = held_at(model, at(0, 0))
+
+            def measure(solver, model=model, held=held):
+                return frequencies(model, held, solver, 3)[0]
+
+            yield from rows(
+                blank(f"cantilever {name}", "first mode, Hz", representation, reference, 0.03), model, measure
+            )
+
+
+# ---------------------------------------------------------------- plates
+
+SIDE, THIN, PRESSURE = 400.0, 4.0, 0.01
+RIGIDITY = E * THIN**3 / 12 / (1 - NU**2)
+PLATE_TEXT = f"PLATE = BLO({SIDE}, {SIDE}, {THIN})\nOUT PLATE\n"
+
+
+def _rim(places: np.ndarray) -> np.ndarray:
+    return (np.minimum(places[:, :2], SIDE - places[:, :2]) < 1e-6).any(axis=1)
+
+
+def plates() -> Iterator[Row]:
+    """Centre under pressure: .00406 q a^4 / D simply supported, .00126 clamped (Timoshenko, Plates and Shells).
+
+    Tables 8 and 35 there. First modes: 19.74 and 35.99 / a^2 sqrt(D / rho t) (Leissa, NASA SP-160, 4.1 and 4.2).
+    """
+    model = built(PLATE_TEXT, size=20.0).model
+    simply = held_at(model, _rim, "3") | {nodes_where(model, at(0, 0))[0]: "123"}
+    corner = nodes_where(model, lambda p: (p[:, 0] > SIDE - 1e-6) & (p[:, 1] < 1e-6))
+    simply |= dict.fromkeys(corner, "23")
+    first = nodes_where(model, lambda p: (p[:, 0] < 1e-6) & (p[:, 1] < 1e-6))
+    simply |= dict.fromkeys(first, "123")
+    forces = pressed(model, lambda p: np.full(len(p), True), lambda _: np.array([0, 0, -PRESSURE]))
+    centre = int(np.argmin(np.linalg.norm(model.mesh.nodes[:, :2] - SIDE / 2, axis=1)))
+    inertia = math.sqrt(RIGIDITY / (RHO * THIN)) / (2 * math.pi * SIDE**2)
+    for name, held, factor, mode in (
+        ("simply supported", simply, 0.00406235, 19.7392),
+        ("clamped", held_at(model, _rim), 0.00126532, 35.985),
+    ):
+        case = Case(held, forces)
+        reference = factor * PRESSURE * SIDE**4 / RIGIDITY
+
+        def sag(solver, case=case):
+            return -solved(solver, model, case).displacements[centre, 2]
+
+        def first_mode(solver, held=held):
+            return frequencies(model, held, solver, 3)[0]
+
+        title = f"square plate 400 x 4, {name}"
+        yield from rows(blank(title, "centre, mm", "plate", reference, 0.035), model, sag)
+        yield from rows(blank(title, "first mode, Hz", "plate", mode * inertia, 0.03), model, first_mode)
+
+
+def hole() -> Iterator[Row]:
+    """Peak stress at a hole of a fifth of the width: 3.14 times the gross stress (Howland, 1930; Peterson, 4.1)."""
+    width, diameter, thickness = 100.0, 20.0, 5.0
+    text = (
+        f"PLATE = BLO(240, {width}, {thickness}) DIF "
+        f"(CYL({diameter / 2}, {3 * thickness}) AT (MOVX=120, MOVY={width / 2}, MOVZ={-thickness}))\nOUT PLATE\n"
+    )
+    for representation, size in (("plate", 5.0), ("brick", 5.0)):
+        model = built(text, (("/", representation),), size=size, order=2).model
+        nodes = model.mesh.nodes
+        held = held_at(model, at(0, 0), "1")
+        held |= dict.fromkeys(nodes_where(model, lambda p: at(0, 0)(p) & (np.abs(p[:, 1]) < 1e-6)), "12")
+        held |= {node: held.get(node, "") + "3" for node in nodes_where(model, at(2, nodes[:, 2].min()))}
+        case = Case(held, spread(model, at(0, 240), (100.0 * width * thickness, 0, 0)))
+
+        def peak(solver, model=model, case=case):
+            stresses = solved(solver, model, case, stress=True).stresses
+            return max(values[0] for values in stresses.values()) / 100.0
+
+        note = "MYSTRAN prints no stresses at the nodes of quadratic elements"
+        row = blank("plate with a hole in tension", "peak stress / gross stress", representation, 3.14, 0.03, note)
+        for found in rows(row, model, peak, ("CalculiX",)):
+            yield replace(found, note="")
+
+
+# ---------------------------------------------------------------- pipes
+
+OUTER, WALL, PIPE_LENGTH = 60.0, 4.0, 500.0
+INNER, MIDDLE = OUTER - WALL, OUTER - WALL / 2
+PIPE_TEXT = f"PIPE = CYL({OUTER}, {PIPE_LENGTH}) DIF CYL({INNER}, {PIPE_LENGTH})\nOUT PIPE\n"
+
+
+def pipes() -> Iterator[Row]:
+    """Tip under 1000 N as Timoshenko has it (Cowper's shear coefficient); radius under pressure as Lame has it."""
+    second = math.pi / 4 * (OUTER**4 - INNER**4)
+    m = (INNER / OUTER) ** 2
+    shear = math.pi * (OUTER**2 - INNER**2) * 6 * (1 + m) ** 2 / (7 * (1 + m) ** 2 + 20 * m)
+    bending = 1000 * PIPE_LENGTH**3 / (3 * E * second) + 1000 * PIPE_LENGTH / (G * shear)
+    for representation, limit in (("beam", 0.005), ("cylinder_plate", 0.035), ("brick", 0.03)):
+        order = 2 if representation == "brick" else 1
+        model = built(PIPE_TEXT, (("/", representation),), size=12.0, order=order).model
+        case = Case(held_at(model, at(2, 0)), spread(model, at(2, PIPE_LENGTH), (1000.0, 0, 0)))
+
+        def tip(solver, model=model, case=case):
+            moved = solved(solver, model, case).displacements
+            share = {node: force[0] for node, force in case.forces.items()}
+            return sum(moved[node, 0] * w for node, w in share.items()) / sum(share.values())
+
+        yield from rows(blank("pipe 120 x 4 in bending", "tip, mm", representation, bending, limit), model, tip)
+    pressure = 5.0
+    for representation, radius, order in (("cylinder_plate", MIDDLE, 1), ("brick", INNER, 2)):
+        model = built(PIPE_TEXT, (("/", representation),), size=12.0, order=order).model
+        # at mid-length, free of the ends; Lame: u = p ri^2 r / E (ro^2 - ri^2) (1 - nu + (1 + nu) ro^2 / r^2)
+        spread_out = pressure * INNER**2 * radius / (E * (OUTER**2 - INNER**2))
+        reference = spread_out * (1 - NU + (1 + NU) * OUTER**2 / radius**2)
+
+        def inside(places, radius=radius):
+            return np.abs(np.hypot(places[:, 0], places[:, 1]) - radius) < 0.05
+
+        def push(place, radius=radius):
+            return pressure * INNER / radius * np.array([place[0], place[1], 0]) / np.hypot(place[0], place[1])
+
+        nodes = model.mesh.nodes
+        base = nodes_where(model, at(2, 0))
+        held = dict.fromkeys(base, "3")
+        for node in base:  # no rigid motion: points on the axes do not move across them
+            if abs(nodes[node, 1]) < 1e-6:
+                held[node] += "2"
+            if abs(nodes[node, 0]) < 1e-6:
+                held[node] += "1"
+        case = Case(held, pressed(model, inside, push))
+
+        def growth(solver, model=model, case=case, inside=inside):
+            moved = solved(solver, model, case).displacements
+            middle = nodes_where(model, lambda p: inside(p) & (np.abs(p[:, 2] - PIPE_LENGTH / 2) < 60))
+            unit = model.mesh.nodes[middle, :2] / np.hypot(*model.mesh.nodes[middle, :2].T)[:, None]
+            return float((moved[middle, :2] * unit).sum(axis=1).mean())
+
+        row = blank("pipe 120 x 4 under pressure", "radius grows by, mm", representation, reference, 0.03)
+        yield from rows(row, model, growth)
+
+
+# ---------------------------------------------------------------- frames and mixed models
+
+PORTAL_TEXT = """LEFT = BLO(40, 40, 1980)
+RIGHT = BLO(40, 40, 1980) AT (MOVX=3000)
+BEAM = BLO(3040, 40, 40) AT (MOVZ=1980)
+PORTAL = LEFT UN RIGHT UN BEAM
+OUT PORTAL
+"""
+
+
+def portal() -> Iterator[Row]:
+    """Sway of a portal with clamped feet, by slope deflection on the members' axes (Kleinlogel, frame 46)."""
+    second, height, span, force = 40**4 / 12, 2000.0, 3000.0, 1000.0
+    # top: 4 theta / h - 6 d / h^2 + 6 theta / l = 0; storey: 2 E I (12 d / h^3 - 6 theta / h^2) = F
+    turn = 6 / height**2 / (4 / height + 6 / span)  # theta / d
+    reference = force / (2 * E * second * (12 / height**3 - 6 * turn / height**2))
+    model = built(PORTAL_TEXT, size=100.0).model
+    top = model.mesh.nodes[:, 2].max()
+    case = Case(held_at(model, at(2, 0)), spread(model, lambda p: at(2, top)(p) & (p[:, 0] < 1.0), (force, 0, 0)))
+
+    def sway(solver):
+        return max(solved(solver, model, case).displacements[node, 0] for node in case.forces)
+
+    row = blank("portal frame of three touching bars", "sway, mm", "beams", reference, 0.03)
+    yield from rows(row, model, sway)
+
+
+HALVES_TEXT = """ROOT = BLO(200, 30, 40)
+REST = BLO(200, 30, 40) AT (MOVX=200)
+BAR = ROOT UN REST
+OUT BAR
+"""
+
+
+def halves() -> Iterator[Row]:
+    """A cantilever whose root is a brick and whose rest is a beam, joined by each coupling (Timoshenko)."""
+    second, area, length = 30 * 40**3 / 12, 1200.0, 400.0
+    reference = 1000 * length**3 / (3 * E * second) + 1000 * length / (G * 5 / 6 * area)
+    for coupling in ("distributing", "rigid", "work"):
+        meshed = built(HALVES_TEXT, (("ROOT", "brick"), ("REST", "beam")), size=10.0, coupling=coupling)
+        model = meshed.model
+        case = Case(held_at(model, at(0, 0)), spread(model, at(0, length), (0, 0, -1000.0)))
+
+        def tip(solver, model=model, case=case):
+            (node,) = case.forces
+            return -solved(solver, model, case).displacements[node, 2]
+
+        row = blank("half brick, half beam", "tip, mm", coupling, reference, 0.02)
+        yield from rows(row, model, tip)
+
+
+TABLE_TEXT = """TOP = BLO(800, 500, 20) AT (MOVZ=680)
+LEG = BLO(40, 40, 680)
+LEGS = LEG UN (LEG AT (MOVX=760)) UN (LEG AT (MOVY=460)) UN (LEG AT (MOVX=760, MOVY=460))
+TABLE = TOP UN LEGS
+OUT TABLE
+"""
+
+
+def _table_sag(model: Model, solver: str) -> float:
+    upper = model.mesh.nodes[:, 2].max()
+    top = at(2, upper, 1e-3)
+    case = Case(held_at(model, at(2, 0)), spread(model, top, (0, 0, -2000.0)))
+    share = weights(model, top)
+    moved = solved(solver, model, case).displacements
+    return -sum(moved[node, 2] * w for node, w in share.items()) / sum(share.values())
+
+
+def table() -> Iterator[Row]:
+    """Mean sag of a table's top under 2000 N, beams and plate against the same table all of quadratic bricks."""
+    bricks = built(TABLE_TEXT, (("TOP", "brick"), ("LEGS", "brick")), size=10.0, order=2).model
+    reference = _table_sag(bricks, "CalculiX")
+    mixed = built(TABLE_TEXT, size=50.0).model
+    note = f"all solid: {freedoms(bricks):,} degrees of freedom"
+    row = blank("table under load", "mean sag, mm", "plate and beams", reference, 0.02)
+    for found in rows(row, mixed, lambda solver: _table_sag(mixed, solver)):
+        yield replace(found, note=note)
+
+
+BRACKET_TEXT = """BASE = BLO(120, 80, 3)
+BACK = BLO(3, 80, 117) AT (MOVZ=3)
+RIB = WED(100, 100, 3) AT (ROTX=90, MOVX=3, MOVY=41.5, MOVZ=3)
+BRACKET = BASE UN BACK UN RIB
+OUT BRACKET
+"""
+
+
+def _bracket_tip(model: Model, solver: str) -> float:
+    top = model.mesh.nodes[:, 2].max()
+    tip = at(0, 120.0, 1e-3)
+    case = Case(held_at(model, at(2, top, 1e-3)), spread(model, tip, (0, 0, -1000.0)))
+    moved = solved(solver, model, case).displacements
+    return -sum(moved[node, 2] * -force[2] for node, force in case.forces.items()) / 1000
+
+
+def bracket() -> Iterator[Row]:
+    """Tip of a bracket with a rib, held at its upper edge, against the same bracket all of quadratic solid elements."""
+    solid = built(BRACKET_TEXT, (("/", "brick"),), size=5.0, order=2, volumes="tet").model
+    reference = _bracket_tip(solid, "CalculiX")
+    walls = built(BRACKET_TEXT, (("/", "plates"),), size=6.0).model
+    row = blank("bracket with a rib", "tip, mm", "plates", reference, 0.05)
+    for found in rows(row, walls, lambda solver: _bracket_tip(walls, solver)):
+        yield replace(found, note=f"all solid: {freedoms(solid):,} degrees of freedom")
+
+
+ALL: tuple[Callable[[], Iterator[Row]], ...] = (
+    cantilevers,
+    vibrations,
+    plates,
+    hole,
+    pipes,
+    portal,
+    halves,
+    table,
+    bracket,
+)

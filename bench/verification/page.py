@@ -1,0 +1,39 @@
+"""The page that shows the cases."""
+
+from __future__ import annotations
+
+from verification.cases import ALL, Row
+
+HEAD = """# Verification
+
+Every model here is a CSG text that went through csgmesh; the numbers are what MYSTRAN and CalculiX printed. Written by
+`make verification`; do not edit. "limit" is the difference that we allow; a number outside it is marked.
+
+Material: E = 210,000 MPa, nu = 0.3, 7.85e-9 t/mm3. Freedoms: six at nodes of beams and shells, three at the others.
+"""
+
+
+def page(found: dict[str, list[Row]]) -> str:
+    lines = [HEAD]
+    for case in ALL:
+        if case.__name__ not in found:
+            continue
+        lines.append(f"\n## {case.__name__.replace('_', ' ').capitalize()}\n")
+        lines.append(" ".join((case.__doc__ or "").split()) + "\n")
+        lines.append("| case | quantity | as | solver | found | reference | differs | limit | freedoms |")
+        lines.append("|---|---|---|---|---:|---:|---:|---:|---:|")
+        lines += [_line(row) for row in found[case.__name__]]
+        notes = list(dict.fromkeys(row.note for row in found[case.__name__] if row.note))
+        lines += [f"\n{note}" for note in notes]
+    return "\n".join(lines) + "\n"
+
+
+def _line(row: Row) -> str:
+    if row.value is None:
+        found, differs = "refused", "-"
+    else:
+        found, differs = f"{row.value:.5g}", f"{row.error:+.2%}" + ("" if row.holds else " **outside**")
+    return (
+        f"| {row.case} | {row.quantity} | {row.representation} | {row.solver} | {found} | {row.reference:.5g} "
+        f"| {differs} | {row.limit:.1%} | {row.freedoms:,} |"
+    )
