@@ -28,7 +28,7 @@ from kernel.mesh.mesh import ElementBlock, Mesh
 from kernel.mesh.nodes import NodeTable
 from kernel.mesh.options import MeshOptions
 from kernel.mesh.second_order import raise_order
-from kernel.mesh.size_field import automatic_size
+from kernel.mesh.size_field import automatic_size, segment_sizes
 from kernel.mesh.ties import Meshed, beam_stations, make_ties
 from kernel.segment.segments import Segment
 from kernel.units import VERTEX_TOLERANCE
@@ -64,7 +64,7 @@ def assemble(
     parts = idealise(segments, joints, evaluated.size, options.volumes)
     report("idealised", 0.2)
     nodes = NodeTable()
-    sizes = {segment.id: _size_of(segment, options, size) for segment in segments}
+    sizes = segment_sizes(segments, options, size)
     curves = seed_curves(
         parts.topology,
         parts.topology.curves(),
@@ -139,14 +139,6 @@ def idealise(segments: Sequence[Segment], joints: Sequence[Joint], size: float, 
     imprint(topology, candidates)
     cut_edges(parts)
     return parts
-
-
-def _size_of(segment: Segment, options: MeshOptions, size: float) -> float:
-    """The size that the user asked for in this segment, or the model's."""
-    for name in (segment.id, segment.node, segment.name):
-        if name is not None and name in options.segment_sizes:
-            return options.segment_sizes[name]
-    return size
 
 
 def _mesh_faces(

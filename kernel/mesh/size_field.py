@@ -1,4 +1,4 @@
-"""The target size of elements where the user gives none."""
+"""The target size of elements: what the user asks for, bounded, and what stands where he gives none."""
 
 from __future__ import annotations
 
@@ -6,6 +6,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from kernel.errors import OptionError
+from kernel.mesh.options import MeshOptions
 from kernel.segment.segments import BeamShape, BrickShape, CylinderShape, PlateShape, Segment
 
 PER_WIDTH = 10.0
@@ -16,6 +18,37 @@ LEAST_PER_MODEL = 40.0
 
 MOST_ELEMENTS = 100_000
 """The automatic size is raised until about so many elements are left."""
+
+MOST_ASKED = 5_000_000
+"""A size that would give more elements is refused: neither memory nor a solver would take them."""
+
+PER_TURN = 24
+"""Elements round a full cylinder-plate at least: chords of 15 degrees lose 0.29 % of its area, no more."""
+
+
+def segment_sizes(segments: Sequence[Segment], options: MeshOptions, size: float) -> dict[str, float]:
+    """Target size by segment id: asked for by id, node path or name, else `size`; no larger than the segment.
+
+    OptionError where it would give more than MOST_ASKED elements.
+    """
+    sizes: dict[str, float] = {}
+    for segment in segments:
+        names = (segment.id, segment.node, segment.name)
+        asked = next((options.segment_sizes[name] for name in names if name in options.segment_sizes), size)
+        largest = float((segment.solid.bounds[1] - segment.solid.bounds[0]).max())
+        if isinstance(segment.shape, CylinderShape):
+            largest = min(largest, 2 * np.pi * segment.shape.mid_radius / PER_TURN)
+        sizes[segment.id] = min(asked, largest)
+    expected = sum(_expected([segment], sizes[segment.id]) for segment in segments)
+    if expected > MOST_ASKED:
+        finest = min(sizes.values())
+        coarse = finest
+        while sum(_expected([segment], max(sizes[segment.id], coarse)) for segment in segments) > MOST_ASKED:
+            coarse *= 1.25
+        raise OptionError(
+            f"size {finest:g} would give about {expected:.2g} elements, expected a size of {coarse:.2g} or more"
+        )
+    return sizes
 
 
 def automatic_size(segments: Sequence[Segment], model_size: float) -> float:

@@ -25,6 +25,8 @@ def flat_faces(
 ) -> NDArray[np.int64]:
     """(m,) plane ids: the triangles of one group lie in one plane. Planes are registered in the order of the groups."""
     surface = np.empty(len(triangles), np.int64)
+    if not len(triangles):  # an ellipsoid has no flat face
+        return surface
     area = area_vectors(points, triangles)
     order = np.argsort(group, kind="stable")
     for rows in np.split(order, np.nonzero(np.diff(group[order]))[0] + 1):

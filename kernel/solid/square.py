@@ -142,8 +142,8 @@ def build_extrusion(extrusion: Extrusion, setting: Setting) -> Manifold:
             continue
         turned = -math.radians(extrusion.twist) * share
         turn_matrix = np.array([[math.cos(turned), -math.sin(turned)], [math.sin(turned), math.cos(turned)]])
-        scaled = flat * np.array([1.0 + (sx - 1.0) * share, 1.0 + (sy - 1.0) * share])
-        levels.append(np.insert(scaled @ turn_matrix.T, 2, extrusion.height * share, axis=1))
+        factors = np.array([1.0 + (sx - 1.0) * share, 1.0 + (sy - 1.0) * share])
+        levels.append(np.insert((flat @ turn_matrix.T) * factors, 2, extrusion.height * share, axis=1))
     local = np.concatenate(levels)
     triangles, group = layer(loops, layers, to_point=to_point)
     points = local @ setting.placed.linear.T + setting.placed.origin
