@@ -33,7 +33,7 @@ def segment_sizes(segments: Sequence[Segment], options: MeshOptions, size: float
     """
     sizes: dict[str, float] = {}
     for segment in segments:
-        names = (segment.id, segment.node, segment.name)
+        names = [name for name in (segment.id, segment.node, segment.name) if name is not None]
         asked = next((options.segment_sizes[name] for name in names if name in options.segment_sizes), size)
         largest = float((segment.solid.bounds[1] - segment.solid.bounds[0]).max())
         if isinstance(segment.shape, CylinderShape):
