@@ -19,7 +19,7 @@ from kernel.plan import Conclusion, Need
 from kernel.units import unit_set
 from rules.definition import Definition, Parameter, Rule
 from rules.loader import read_definition, read_definition_text
-from rules.syntax import Condition, Expression, FactRef, Quantified, walk
+from rules.syntax import Condition, Expression, FactRef, Quantified, WordRef, walk
 from rules.template import Field
 
 if TYPE_CHECKING:
@@ -127,7 +127,7 @@ class RuleBase:
 
         view = View(facts)
         rules = self.definition.rules
-        fired, outcomes = self._engine.run(view)
+        fired, outcomes = self._engine.run(view, self._unmeasured[facts.tier])
         holding = [rules[index] for index in sorted(fired) if rules[index].segment is not None]
         open_rules = [
             (rules[index], tier_of(outcome))
@@ -172,6 +172,21 @@ class RuleBase:
                 words[rule.word].append(strength)
         return tuple(strength for strength in strengths if strength is not None)
 
+    @cached_property
+    def _unmeasured(self) -> dict[str, dict[int, int]]:
+        """By tier, the outcomes of rules that speak only of what is measured later: the same for every node."""
+        from rules.view import View
+
+        found: dict[str, dict[int, int]] = {}
+        for reached, tier in enumerate(TIERS):
+            nothing = View(Facts({}, tier))
+            found[tier] = {
+                index: self.matches[index](nothing)
+                for index, rule in enumerate(self.rules)
+                if not any(_is_told_by(part, reached) for part in walk(rule.condition))
+            }
+        return found
+
     @property
     def _engine(self):  # type: ignore[no-untyped-def]
         """The calling thread's experta engine: engines are not shared between threads."""
@@ -191,6 +206,13 @@ class RuleBase:
 
     def __repr__(self) -> str:
         return f"RuleBase({self.name!r}, {self.version}, {len(self.rules)} rules)"
+
+
+def _is_told_by(part: Expression | Condition, tier: int) -> bool:
+    """Whether facts up to `tier` may change what `part` comes to."""
+    if isinstance(part, FactRef | Quantified):
+        return part.tier <= tier
+    return isinstance(part, WordRef)
 
 
 def load_rule_base(path: str | None = None, *, units: str = "mm") -> RuleBase:

@@ -15,7 +15,7 @@ import collections.abc
 import importlib
 import logging
 import threading
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from functools import lru_cache
 from types import ModuleType
@@ -80,9 +80,9 @@ class Run:
 
     __slots__ = ("fired", "outcomes", "view")
 
-    def __init__(self, view: View) -> None:
+    def __init__(self, view: View, known: Mapping[int, int]) -> None:
         self.view = view
-        self.outcomes: dict[int, int] = {}
+        self.outcomes: dict[int, int] = dict(known)
         self.fired: list[int] = []
 
 
@@ -98,10 +98,13 @@ class ExpertaEngine:
     def __init__(self, rules: Sequence[EngineRule]) -> None:
         self._engine, self._first_stage = _build(rules)
 
-    def run(self, view: View) -> tuple[list[int], dict[int, int]]:
-        """Indices of the rules that fired, and the outcome of every rule by index."""
+    def run(self, view: View, known: Mapping[int, int]) -> tuple[list[int], dict[int, int]]:
+        """Indices of the rules that fired, and the outcome of every rule by index.
+
+        known: outcomes that are the same for every node at this tier, and need not be found again.
+        """
         engine = self._engine
-        engine.memory = run = Run(view)
+        engine.memory = run = Run(view, known)
         try:
             engine.declare(self._first_stage(run=run))
             engine.run()
