@@ -1,8 +1,7 @@
 """Thin-wall decomposition: the solid between each wall's faces, and who gets the corners where walls meet.
 
     slab of a wall = the solid between its faces, over the paired region (holes filled), grown into crossing walls
-    a corner, where two slabs overlap, goes to the wall with more free face there (a tee to the flange);
-    as good as equal: to the larger wall, then to the thinner one
+    a corner, where two slabs overlap, goes to one of the two walls (corners.py)
 
 The remainder is what no slab holds; crumbs of it go to the wall they share most area with.
 """
@@ -14,8 +13,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import shapely
-from shapely import Polygon, STRtree
+from shapely import Polygon
 
+from kernel.segment.corners import EMPTY, WallPart, settle_corners
 from kernel.segment.faces import Region, faces_of
 from kernel.segment.slices import parts_of, slice_loops, slice_polygon
 from kernel.segment.walls import LARGE_HOLE, PlaneWall, TubeWall, Wall, find_walls
@@ -31,12 +31,6 @@ GROWTH = 1.1
 COVER = 0.98
 """Share of a paired region that must be solid half-way between the faces."""
 
-FREE_MARGIN = 0.3
-"""Shares of free face that differ by less are as good as equal."""
-
-EMPTY = 1e-9
-"""Solids smaller than this share of the whole are rounding."""
-
 CRUMB_SHARE = 2e-3
 """A piece of the remainder smaller than this share of the whole is a crumb (fillets, corner dust)."""
 
@@ -45,14 +39,6 @@ CRUMB_SIZE = 30.0
 
 CRUMB_LIMIT = 5e-3
 """No crumb is larger than this share of the whole."""
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class WallPart:
-    """A wall and the connected solid that is its own; cut in several by a wall that runs through it, it stays one."""
-
-    wall: Wall
-    solid: Solid
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -76,7 +62,7 @@ def decompose(solid: Solid) -> WallDecomposition:
             slabs.append((wall, slab))
     if not slabs:
         return WallDecomposition((), solid.components(), 0.0)
-    parts = _settle_corners(solid, slabs)
+    parts = settle_corners(solid, slabs)
     remainder = _less(solid, parts)
     parts, remainder = _give_crumbs(parts, remainder, volume)
     held = sum(part.solid.volume for part in parts)
@@ -283,88 +269,6 @@ def _holds_face(piece: Solid, wall: TubeWall) -> bool:
     facets = piece.facets
     own = facets.source >= 0
     return all(bool((own & (facets.surface == surface)).any()) for surface in wall.surface_ids)
-
-
-# ---------------------------------------------------------------- corners
-
-
-def _settle_corners(solid: Solid, slabs: list[tuple[Wall, Solid]]) -> list[WallPart]:
-    """The slabs made disjoint: pairs first, and where three met, in the order of their areas."""
-    volume = solid.volume
-    losses: list[list[Solid]] = [[] for _ in slabs]
-    rank = _ranks(slabs, solid.surfaces.size)
-    for i, j in _overlapping_boxes([slab for _, slab in slabs]):
-        corner = intersect([slabs[i][1], slabs[j][1]])
-        if corner.is_empty or corner.volume < 1e-12 * volume:
-            continue
-        free_i, free_j = _free_share(corner, slabs[i][0]), _free_share(corner, slabs[j][0])
-        if abs(free_i - free_j) > FREE_MARGIN:
-            winner = i if free_i > free_j else j
-        else:
-            winner = i if rank[i] < rank[j] else j
-        losses[j if winner == i else i].append(corner)
-    parts: list[tuple[int, WallPart]] = []
-    for index, (wall, slab) in enumerate(slabs):
-        for whole in slab.components():
-            own = subtract(whole, losses[index]) if losses[index] else whole
-            if not own.is_empty and own.volume > EMPTY * volume:
-                parts.append((index, WallPart(wall, own)))
-    parts.sort(key=lambda item: rank[item[0]])
-    return _without_triples([part for _, part in parts], losses, volume)
-
-
-def _without_triples(parts: list[WallPart], losses: list[list[Solid]], volume: float) -> list[WallPart]:
-    """Parts that still overlap (three walls in one corner, each winning one pair) taken in order."""
-    if sum(1 for lost in losses if lost) < 2:
-        return parts
-    for i, j in _overlapping_boxes([part.solid for part in parts]):
-        later, earlier = max(i, j), min(i, j)
-        common = intersect([parts[later].solid, parts[earlier].solid])
-        if common.is_empty or common.volume < 1e-12 * volume:
-            continue
-        parts[later] = replace(parts[later], solid=subtract(parts[later].solid, [parts[earlier].solid]))
-    return [part for part in parts if not part.solid.is_empty and part.solid.volume > EMPTY * volume]
-
-
-def _ranks(slabs: list[tuple[Wall, Solid]], size: float) -> list[int]:
-    """Position of each slab among all: larger paired region, then thinner, then by where it lies."""
-    keys = []
-    for wall, slab in slabs:
-        centre = np.round(slab.bounds.mean(axis=0) / size, 6) + 0.0
-        keys.append((-round(wall.area / size**2, 6), round(wall.thickness / size, 9), *map(float, centre)))
-    order = sorted(range(len(slabs)), key=lambda index: keys[index])
-    rank = [0] * len(slabs)
-    for position, index in enumerate(order):
-        rank[index] = position
-    return rank
-
-
-def _overlapping_boxes(solids: list[Solid]) -> list[tuple[int, int]]:
-    """Pairs i < j whose boxes overlap in all three axes; by an index, not pair by pair."""
-    if len(solids) < 2:
-        return []
-    boxes = np.array([solid.bounds for solid in solids])
-    flat = shapely.box(boxes[:, 0, 0], boxes[:, 0, 1], boxes[:, 1, 0], boxes[:, 1, 1])
-    left, right = STRtree(flat).query(flat)
-    overlap = np.all(np.minimum(boxes[left, 1], boxes[right, 1]) > np.maximum(boxes[left, 0], boxes[right, 0]), axis=1)
-    pairs = np.stack([left, right], axis=1)[overlap & (left < right)]
-    return sorted((int(i), int(j)) for i, j in pairs)
-
-
-def _free_share(corner: Solid, wall: Wall) -> float:
-    """Share of the wall's two faces, inside the corner, that is free boundary of the whole solid (0 to 2)."""
-    facets = corner.facets
-    if isinstance(wall, PlaneWall):
-        lift = facets.normals @ wall.normal
-        foot = float((facets.areas * lift)[lift > 0.0].sum())
-    else:
-        arm = facets.centroids - wall.axis.point
-        arm -= np.outer(arm @ wall.axis.direction, wall.axis.direction)
-        arm /= np.maximum(np.linalg.norm(arm, axis=1), 1e-300)[:, None]
-        lift = np.einsum("ij,ij->i", arm, facets.normals)
-        foot = float(facets.areas[lift > 0.9].sum())
-    on_wall = np.isin(facets.surface, wall.surface_ids) & (np.abs(lift) > 0.5) & (facets.source >= 0)
-    return float(facets.areas[on_wall].sum()) / foot if foot > 0.0 else 0.0
 
 
 # ---------------------------------------------------------------- crumbs

@@ -30,8 +30,10 @@ def slice_polygon(facets: Facets, direction: Vector, offset: float, u: Vector, v
     points, _ = _segments(facets, direction, offset, u, v)
     if len(points) == 0:
         return Polygon()
-    grid = SNAP * max(float(np.ptp(points.reshape(-1, 2), axis=0).max()), 1e-300)
-    return area_within(points, grid)
+    extent = float(np.ptp(points.reshape(-1, 2), axis=0).max())
+    if extent <= SNAP * float(np.abs(points).max()):
+        return Polygon()  # the plane touches a vertex
+    return area_within(points, SNAP * extent)
 
 
 def slice_loops(facets: Facets, direction: Vector, offset: float, u: Vector, v: Vector) -> NDArray[np.float64]:
