@@ -7,7 +7,7 @@ import time
 from pathlib import Path
 
 from verification.cases import ALL, Row
-from verification.page import page
+from verification.page import EXPLANATIONS, page
 
 PAGE = Path(__file__).resolve().parents[2] / "docs" / "verification.md"
 
@@ -26,8 +26,8 @@ def main() -> None:
         print(f"-- {case.__name__}: {time.perf_counter() - start:.1f} s", flush=True)
     if not wanted:
         PAGE.write_text(page(found))
-    failures = [row for group in found.values() for row in group if not row.holds]
-    sys.exit(f"{len(failures)} numbers outside their limits" if failures else 0)
+    failures = [row for name, group in found.items() for row in group if not row.holds and name not in EXPLANATIONS]
+    sys.exit(f"{len(failures)} numbers outside their limits, unexplained" if failures else 0)
 
 
 main()

@@ -13,8 +13,8 @@ Material: E = 210,000 MPa, nu = 0.3, 7.85e-9 t/mm3. Freedoms: six at nodes of be
 """
 
 EXPLANATIONS = {
-    "cantilevers": "CalculiX's beams are single brick elements inside, their hollow sections integrated at a few points "
-    "and their shear flexibility that of the brick: a thin box comes out some 2 % stiff.",
+    "cantilevers": "CalculiX's beams are single brick elements inside, their hollow sections integrated at a few "
+    "points and their shear flexibility that of the brick: a thin box comes out some 2 % stiff.",
     "pipes": "CalculiX's PIPE section has the same limit: its shear flexibility is too small, which a pipe as short as "
     "four diameters shows.",
     "table": "CalculiX's S4 is a brick of incompatible modes, stiffer than MYSTRAN's CQUAD4 at this size (50 mm); at "
