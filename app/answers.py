@@ -56,7 +56,7 @@ def meshed_answer(meshed: Meshed) -> MeshAnswer:
             {"segments": list(row.segments), "cause": row.cause, "volume": float(row.volume)}
             for row in meshed.assembly.ledger
         ],
-        warnings=list(meshed.model.notes),
+        warnings=list(meshed.warnings),
         seconds={stage: round(seconds, 4) for stage, seconds in meshed.seconds.items()},
     )
 

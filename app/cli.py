@@ -8,6 +8,7 @@ from __future__ import annotations
 import os
 import signal
 import sys
+import time
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Annotated, NoReturn
 
@@ -85,9 +86,13 @@ def mesh(
     ] = None,
     mass: Annotated[str, typer.Option(help="plain, or exact: densities scaled to the solid's mass.")] = "plain",
     report: Annotated[str | None, typer.Option(metavar="FILE.html", help="Write a report with pictures too.")] = None,
+    unchecked: Annotated[
+        bool, typer.Option("--unchecked", help="Write the model even if it does not pass its own checks.")
+    ] = False,
     as_json: JsonOption = False,
 ) -> None:
     """Mesh MODEL and write the deck."""
+    start = time.perf_counter()
     from app import pipeline
     from app.materialfile import with_material
     from app.progress import progress_bar
@@ -125,6 +130,8 @@ def mesh(
             mass=mass,
             progress=progress,
         )
+        if not unchecked:
+            pipeline.refuse_failed(meshed)
         contents = {output: pipeline.write_deck(meshed, output, deck_format)}
         if report is not None:
             from app.report.page import report_page
@@ -134,7 +141,10 @@ def mesh(
     from app.answers import meshed_answer
 
     answer = meshed_answer(meshed)
-    _print(answer.model_dump_json(indent=1) if as_json else texts.mesh_text(answer, output))
+    for warning in (*(f"check failed: {failure}" for failure in meshed.checks.failures), *meshed.warnings):
+        sys.stderr.write(f"warning: {warning}\n")
+    seconds = time.perf_counter() - start
+    _print(answer.model_dump_json(indent=1) if as_json else texts.mesh_text(answer, output, seconds))
 
 
 @app.command()

@@ -18,6 +18,7 @@ TITLES = {
     "OptionError": "An option is wrong",
     "MeshError": "A segment cannot be meshed",
     "ConnectError": "A joint cannot be connected",
+    "CheckError": "The model does not pass its checks",
     "DeckError": "The format cannot carry the model",
     "DefectError": "A defect of csgmesh",
 }

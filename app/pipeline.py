@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, Any
 
 from kernel.csg.tree import CsgModel, find
 from kernel.deck.deck import format_for
-from kernel.errors import OverrideError
+from kernel.errors import CheckError, OverrideError
 from kernel.mesh.options import MeshOptions
 from kernel.plan import OVERRIDES, Override
 from kernel.units import UnitSet, unit_set
@@ -63,6 +63,16 @@ class Meshed:
     checks: Checks
     quality: dict[str, Any]
     seconds: dict[str, float]
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """One line each: what an analyst should look at, though the model holds."""
+        from kernel.connect.audit import component_segments
+
+        if self.checks.components == 1:
+            return self.model.notes
+        parts = " | ".join(" ".join(segments) for segments in component_segments(self.model))
+        return f"the model is in {self.checks.components} parts that do not touch: {parts}", *self.model.notes
 
 
 def read(path: str) -> CsgModel:
@@ -150,6 +160,13 @@ def mesh(
     with clock("check"):
         checks = check_model(model, assembly, evaluated)
     return Meshed(classified, options, assembly, model, checks, quality, {**classified.seconds, **clock.seconds})
+
+
+def refuse_failed(meshed: Meshed) -> None:
+    """CheckError where the model does not pass its own checks: such a model is not to be loaded unseen."""
+    if meshed.checks.failures:
+        failures = "; ".join(meshed.checks.failures)
+        raise CheckError(f"the model does not pass its checks: {failures}; expected all to hold, or `unchecked`")
 
 
 def write_deck(meshed: Meshed, path: str, deck_format: str | None = None) -> bytes:

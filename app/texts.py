@@ -27,6 +27,12 @@ MEASURES = {
 }
 """Fields of a primitive that the tree shows."""
 
+SHOWN_SHARE = 5e-5
+"""A share of the mass below this is nought in two digits of per cent."""
+
+NOUGHT = 1e-12
+"""A measure of an element smaller than this is rounding."""
+
 REVIEW_MARGIN = 0.05
 """A decision nearer than this to a threshold is marked for review."""
 
@@ -122,20 +128,32 @@ def explanation_text(classified: Classified, node: str | None) -> str:
     return "\n".join(lines)
 
 
-def mesh_text(answer: MeshAnswer, deck: str) -> str:
-    """What was meshed, and the checks."""
+def mesh_text(answer: MeshAnswer, deck: str, seconds: float) -> str:
+    """What was meshed, and the checks; seconds: of the whole command."""
     elements = ", ".join(f"{count} {kind}" for kind, count in answer.elements.items())
     couplings = ", ".join(f"{count} {kind}" for kind, count in answer.couplings.items()) or "none"
     lines = [
         f"{deck}: {plural(answer.nodes, 'node')}, {elements}, in {plural(len(answer.segments), 'segment')}",
         f"couplings: {couplings}; components: {answer.components}",
-        f"mass: solid {number(answer.mass.solid)}, model {number(answer.mass.model)}, error {answer.mass.error:.3%}",
+        mass_text(answer),
     ]
     lines += quality_lines(answer.quality)
-    lines += [f"check failed: {failure}" for failure in (answer.checks.model_extra or {}).get("failures", [])]
-    lines += [f"warning: {warning}" for warning in answer.warnings]
-    lines.append(f"seconds: {sum(answer.seconds.values()):.2f}")
+    lines.append(f"seconds: {seconds:.2f}")
     return "\n".join(lines)
+
+
+def mass_text(answer: MeshAnswer) -> str:
+    """Mass of the solid and of the model with their unit, and what the ledger of corners explains of the error."""
+    from kernel.units import unit_set
+
+    unit, mass = unit_set(answer.units).mass, answer.mass
+    counted = (answer.checks.model_extra or {}).get("mass", {}).get("ledger", 0.0) / mass.solid if mass.solid else 0.0
+    why = ""
+    if abs(counted) > SHOWN_SHARE:
+        how = "counted twice where segments meet" if counted > 0 else "left out where segments meet"
+        why = f", of which {counted:+.2%} {how}: --mass exact makes up for it".replace("%", " %")
+    error = f"{round(mass.error, 4) + 0.0:+.2%}".replace("%", " %")
+    return f"mass: solid {number(mass.solid)} {unit}, model {number(mass.model)} {unit} ({error}{why})"
 
 
 def quality_lines(quality: dict[str, Any]) -> list[str]:
@@ -144,7 +162,7 @@ def quality_lines(quality: dict[str, Any]) -> list[str]:
     for kind, measures in quality.items():
         for measure, value in measures.items():
             if isinstance(value, dict):
-                numbers = [number(float(value[key])) for key in ("min", "p5", "mean", "p95", "max") if key in value]
+                numbers = [measure_text(value[key]) for key in ("min", "p5", "mean", "p95", "max") if key in value]
                 rows.append((kind, measure.replace("_", " "), *numbers))
     return table(("elements", "measure", "min", "5 %", "mean", "95 %", "max"), rows).splitlines() if rows else []
 
@@ -162,6 +180,11 @@ def solid_text(answer: SolidAnswer, path: str) -> str:
 def number(value: Any) -> str:
     """Six significant digits; anything but a float as it is."""
     return f"{value:.6g}" if isinstance(value, float) else str(value)
+
+
+def measure_text(value: float) -> str:
+    """A measure of an element: rounding shows as 0."""
+    return number(0.0 if abs(value) < NOUGHT else float(value))
 
 
 def plural(count: int, noun: str) -> str:

@@ -105,8 +105,16 @@ def mesh_task(payload: Payload, artifacts: Artifacts, progress: Progress) -> dic
     classified = _classified(payload, progress)
     options = MeshOptions(**payload["options"])
     meshed = pipeline.mesh(
-        classified, options, material=payload["material"], coupling=payload["coupling"], progress=progress
+        classified,
+        options,
+        material=payload["material"],
+        coupling=payload["coupling"],
+        joint_couplings=payload["joints"],
+        mass=payload["mass"],
+        progress=progress,
     )
+    if not payload["unchecked"]:
+        pipeline.refuse_failed(meshed)
     answer = meshed_answer(meshed).model_dump_json().encode()
     return {
         "answer": artifacts.put(answer),

@@ -88,6 +88,10 @@ class ConnectError(CannotMeshError):
     """A joint cannot be connected."""
 
 
+class CheckError(CannotMeshError):
+    """The model does not pass its own checks."""
+
+
 class DeckError(CannotMeshError):
     """The model holds something that the format cannot carry."""
 

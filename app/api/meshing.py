@@ -63,6 +63,11 @@ class MeshRequest(Schema):
     faces: Literal["quad", "tri"] = "quad"
     volumes: Literal["auto", "hex", "tet"] = "auto"
     coupling: Literal["distributing", "rigid", "work"] = "distributing"
+    joints: dict[str, Literal["distributing", "rigid", "work"]] = Field(
+        default_factory=dict, description="couplings of single joints, by id"
+    )
+    mass: Literal["plain", "exact"] = Field(default="plain", description="exact: densities scaled to the solid's mass")
+    unchecked: bool = Field(default=False, description="keep the mesh even if it does not pass its own checks")
     material: str | None = Field(default=None, max_length=100)
     units: str | None = Field(default=None, max_length=10)
     rulebase: str | None = Field(default=None, max_length=200)
@@ -122,6 +127,9 @@ def create_mesh(
         "options": options,
         "material": wanted.material,
         "coupling": wanted.coupling,
+        "joints": wanted.joints,
+        "mass": wanted.mass,
+        "unchecked": wanted.unchecked,
     }
     job = context.jobs.submit(model.id, question_key("mesh", payload), payload)
     response.headers["Location"] = f"/v1/jobs/{job.id}"

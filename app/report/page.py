@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from app.answers import meshed_answer
 from app.report.pictures import pictures
 from app.report.scenes import segment_colours
-from app.texts import number, plural
+from app.texts import measure_text, number, plural
 from kernel.mesh.quality import element_quality
 
 if TYPE_CHECKING:
@@ -124,7 +124,7 @@ def _quality(meshed: Meshed) -> str:
     for kind, measures in meshed.quality.items():
         for measure, values in measures.items():
             if isinstance(values, dict):
-                numbers = [number(float(values[key])) for key in ("min", "p5", "mean", "p95", "max")]
+                numbers = [measure_text(values[key]) for key in ("min", "p5", "mean", "p95", "max")]
                 rows.append((kind, measure.replace("_", " "), *numbers))
     mesh = meshed.model.mesh
     histograms = []

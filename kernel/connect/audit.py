@@ -24,6 +24,18 @@ def connected_components(model: Model) -> int:
     return len(np.unique(labels[used]))
 
 
+def component_segments(model: Model) -> tuple[tuple[str, ...], ...]:
+    """Ids of the segments in each of those pieces, in the order of the segments; pieces by their first segment."""
+    labels = _labels(model)
+    pieces: dict[int, dict[str, None]] = {}
+    for block in model.mesh.blocks:
+        for label in np.unique(labels[block.connectivity.ravel()]).tolist():
+            pieces.setdefault(label, {})[block.segment] = None
+    rank = {element.segment: place for place, element in enumerate(model.properties)}
+    ordered = (tuple(sorted(segments, key=rank.__getitem__)) for segments in pieces.values())
+    return tuple(sorted(ordered, key=lambda segments: [rank[segment] for segment in segments]))
+
+
 def coincident_nodes(model: Model, tolerance: float) -> int:
     """Pairs of nodes nearer than the tolerance that no coupling ties to one another."""
     nodes = model.mesh.nodes

@@ -1,0 +1,84 @@
+"""A model that does not pass its own checks is refused; what an analyst should look at is said."""
+
+import json
+import re
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from app.artifacts import Artifacts
+from app.cli import run
+from app.work import mesh_task
+from kernel.connect import checks
+from kernel.errors import CheckError
+
+EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
+TABLE = str(EXAMPLES / "table.csg")
+TWO_PLATES = "cube(size = [100, 60, 5], center = false);\nmultmatrix([[1,0,0,0],[0,1,0,0],[0,0,1,50],[0,0,0,1]]) {\n\
+cube(size = [100, 60, 5], center = false);\n}\n"
+PAYLOAD = {
+    "text": "cube(size = [100, 60, 5], center = false);\n",
+    "name": "plate.csg",
+    "units": None,
+    "rules": None,
+    "overrides": [],
+    "options": {"size": 20},
+    "material": None,
+    "coupling": "distributing",
+    "joints": {},
+    "mass": "plain",
+}
+
+
+@pytest.fixture
+def failing(monkeypatch):
+    """Checks that find two things wrong with every model."""
+    holds = checks.check_model
+    failures = ("3 nodes belong to nothing", "2 freedoms depend on two couplings")
+    monkeypatch.setattr(checks, "check_model", lambda *given: replace(holds(*given), failures=failures))
+
+
+def test_a_model_that_fails_its_checks_is_refused_and_nothing_is_written(failing, capsys, tmp_path):
+    given = ["mesh", TABLE, "-o", str(tmp_path / "a.bdf"), "--report", str(tmp_path / "a.html"), "--size", "100"]
+    assert run(given) == 3
+    printed = capsys.readouterr()
+    assert printed.err.startswith("error: the model does not pass its checks: 3 nodes belong to nothing; 2 freedoms")
+    assert printed.err.count("\n") == 1 and printed.out == "" and list(tmp_path.iterdir()) == []
+
+
+def test_unchecked_writes_it_and_warns_of_every_failure(failing, capsys, tmp_path):
+    assert run(["mesh", TABLE, "-o", str(tmp_path / "a.bdf"), "--size", "100", "--unchecked"]) == 0
+    warnings = capsys.readouterr().err.splitlines()
+    assert warnings[0] == "warning: check failed: 3 nodes belong to nothing" and len(warnings) == 2
+    assert (tmp_path / "a.bdf").exists()
+
+
+def test_the_services_job_fails_likewise_unless_told_otherwise(failing, tmp_path):
+    artifacts = Artifacts(tmp_path)
+    with pytest.raises(CheckError, match="3 nodes belong to nothing"):
+        mesh_task({**PAYLOAD, "unchecked": False}, artifacts, lambda *_: None)
+    result = mesh_task({**PAYLOAD, "unchecked": True}, artifacts, lambda *_: None)
+    assert json.loads(artifacts.get(result["answer"]))["checks"]["failures"][0] == "3 nodes belong to nothing"
+
+
+def test_parts_that_do_not_touch_are_named(capsys, tmp_path):
+    (tmp_path / "two.csg").write_text(TWO_PLATES)
+    given = ["mesh", str(tmp_path / "two.csg"), "-o", str(tmp_path / "a.bdf"), "--report", str(tmp_path / "a.html")]
+    assert run([*given, "--json"]) == 0
+    printed = capsys.readouterr()
+    warning = "the model is in 2 parts that do not touch: s1 | s2"
+    assert printed.err == f"warning: {warning}\n" and json.loads(printed.out)["warnings"] == [warning]
+    assert warning in (tmp_path / "a.html").read_text()
+
+
+def test_the_mass_has_its_unit_and_says_what_the_corners_weigh(capsys, tmp_path):
+    bracket = ["mesh", str(EXAMPLES / "bracket.csg"), "-o", str(tmp_path / "a.bdf"), "--size", "8"]
+    assert run(bracket) == 0
+    (line,) = re.findall(r"mass: .*", capsys.readouterr().out)
+    assert re.match(
+        r"mass: solid 0\.00257\d+ t, model 0\.0026\d+ t \(\+2\.\d\d %, of which \+2\.\d\d % counted twice", line
+    )
+    assert run([*bracket, "--mass", "exact"]) == 0
+    (line,) = re.findall(r"mass: .*", capsys.readouterr().out)
+    assert line.endswith("t (+0.00 %)")
