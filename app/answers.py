@@ -20,6 +20,7 @@ from app.schemas import (
     SegmentAnswer,
     SolidAnswer,
 )
+from app.texts import needs_review
 
 if TYPE_CHECKING:
     from app.pipeline import Classified, Meshed
@@ -91,6 +92,7 @@ def decision_answer(decision: Decision) -> DecisionAnswer:
         rejected=[RejectedAnswer(type=r.type, rule=r.rule, because=r.because) for r in by_rule.rejected],
         by_rule=by_rule.type,
         margin=by_rule.margin,
+        review=needs_review(decision),
         conflicts=list(by_rule.conflicts),
     )
 

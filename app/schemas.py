@@ -30,6 +30,7 @@ class DecisionAnswer(Schema):
     rejected: list[RejectedAnswer]
     by_rule: str = Field(description="type that the rules would give")
     margin: float | None = Field(default=None, description="distance to the nearest threshold, as a share of it")
+    review: bool = Field(default=False, description="that margin is so small that an analyst should look")
     conflicts: list[str] = Field(default_factory=list)
 
 

@@ -13,7 +13,9 @@ if TYPE_CHECKING:
     from app.pipeline import Classified
     from app.schemas import MeshAnswer, SolidAnswer
     from kernel.csg.tree import CsgModel, CsgNode
+    from kernel.idealise.section import SectionProperties
     from kernel.plan import Decision
+    from kernel.segment.segments import Segment
 
 MEASURES = {
     "block": ("size",),
@@ -63,30 +65,21 @@ def tree_text(csg: CsgModel) -> str:
 
 def classification_text(classified: Classified) -> str:
     """One segment a line, then the joints."""
-    from kernel.segment.segments import BeamShape
-
     unit = classified.units.length
     rows = []
     for segment in classified.partition.segments:
-        measure = (
-            f"length {number(segment.length)}"
-            if isinstance(segment.shape, BeamShape)
-            else f"thickness {number(segment.thickness)}"
-            if segment.thickness is not None
-            else ""
-        )
-        if segment.radius is not None:
-            measure += f", radius {number(segment.radius)}"
-        if segment.holes:
-            measure += f", {segment.holes} hole{'s' if segment.holes > 1 else ''}"
+        measure = _measures_of(segment)
         node = f"{segment.node} {segment.name}" if segment.name else segment.node
         because = segment.decision.by_rule.because
         if segment.origin == "override":
             because = f"override (the rules say {segment.decision.by_rule.type}: {because})"
+        elif needs_review(segment.decision):
+            because += " (near the limit)"
         rows.append((segment.id, node, segment.type, number(segment.volume), measure, because))
     volume = classified.evaluated.solid.true_volume
     lines = [
-        f"{os.path.basename(classified.csg.source)}: {plural(len(rows), 'segment')}, volume {number(volume)} {unit}^3",
+        f"{os.path.basename(classified.csg.source)}: {plural(len(rows), 'segment')}, volume {number(volume)} {unit}^3, "
+        f"all in {unit}",
         table(("segment", "node", "type", "volume", "measures", "because"), rows),
     ]
     if classified.joints:
@@ -121,7 +114,7 @@ def explanation_text(classified: Classified, node: str | None) -> str:
             continue
         by_rule = decision.by_rule
         lines.append(f"  rule {by_rule.rule}, certainty {by_rule.certainty:g}: {by_rule.because}")
-        if _needs_review(decision):
+        if needs_review(decision):
             lines.append(f"  near a threshold ({by_rule.margin:.1%} of it away): review this one")
         lines += [f"  not {r.type} ({r.rule}): {r.because}" for r in by_rule.rejected]
         lines += [f"  conflict: {conflict}" for conflict in by_rule.conflicts]
@@ -217,7 +210,7 @@ def _explained(decision: Decision) -> dict[str, Any]:
         "because": by_rule.because,
         "by_rule": by_rule.type,
         "margin": by_rule.margin,
-        "review": _needs_review(decision),
+        "review": needs_review(decision),
         "rejected": [{"type": r.type, "rule": r.rule, "because": r.because} for r in by_rule.rejected],
         "conflicts": list(by_rule.conflicts),
         "facts": {name: _plain(value) for name, value in decision.facts.items()},
@@ -234,8 +227,42 @@ def _origin(decision: Decision) -> str:
     return f"override by {decision.override.author}{reason}; the rules say {decision.by_rule.type}"
 
 
-def _needs_review(decision: Decision) -> bool:
+def needs_review(decision: Decision) -> bool:
+    """A number decided, and it is so near its limit that an analyst should look."""
     return decision.by_rule.margin is not None and decision.by_rule.margin < REVIEW_MARGIN
+
+
+def _measures_of(segment: Segment) -> str:
+    """What an analyst knows a segment by: thickness, length and section, or extents."""
+    from kernel.segment.segments import BeamShape, BrickShape
+
+    shape = segment.shape
+    if isinstance(shape, BeamShape):
+        from kernel.idealise.section import section_properties
+
+        return f"length {number(segment.length)}, {section_text(section_properties(shape.outline))}"
+    if isinstance(shape, BrickShape):
+        low, high = segment.solid.bounds
+        sides = " x ".join(number(float(side)) for side in sorted(high - low, reverse=True))
+        return f"{sides}{', prismatic' if shape.sweep is not None else ''}"
+    measures = [f"thickness {number(segment.thickness)}"]
+    if segment.radius is not None:
+        measures.append(f"radius {number(segment.radius)}")
+    if segment.holes:
+        measures.append(plural(segment.holes, "hole"))
+    return ", ".join(measures)
+
+
+def section_text(section: SectionProperties) -> str:
+    """A section as a table of profiles names it: `rectangle 50 x 30, A 1500`, `tube D 60 t 4, A 703.7`."""
+    sizes = {name: number(float(value)) for name, value in section.dimensions.items()}
+    if "radius" in sizes:
+        words = [f"D {number(2 * float(section.dimensions['radius']))}"]
+        words += [f"t {sizes['thickness']}"] if "thickness" in sizes else []
+    else:
+        words = [f"{sizes['width']} x {sizes['height']}"] if "width" in sizes else []
+        words += [f"{name} {sizes[name]}" for name in ("web", "flange") if name in sizes]
+    return f"{' '.join([section.shape, *words])}, A {number(section.area)}"
 
 
 def _measures(node: CsgNode) -> str:
