@@ -263,7 +263,9 @@ def run(arguments: Sequence[str]) -> int:
     except CsgmeshError as error:
         return _fail(f"defect: {error}" if error.exit_status == 1 else str(error), error.exit_status)
     except usage_error as error:  # type: ignore[misc]
-        return _fail(error.format_message(), USAGE_STATUS)  # type: ignore[attr-defined]
+        from app.usage import usage_message
+
+        return _fail(usage_message(error, arguments), USAGE_STATUS)
     except (typer.Abort, KeyboardInterrupt):
         return _fail("interrupted", 130)
     except Exception as error:  # noqa: BLE001  the edge of the program: a defect is one line too, its traceback in a file

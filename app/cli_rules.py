@@ -54,7 +54,11 @@ def check(files: FilesArgument = None, as_json: JsonOption = False) -> None:
     """Names, units, unreachable, shadowed and contradictory rules, gaps; fails where there are errors."""
     from rules.analysis import check as check_rules
 
-    wrong = [name for name in files or [OWN] if not _show(check_rules(_path(name)), as_json)]
+    named = files or [OWN]
+    for name in named:
+        if name != OWN and not Path(name).exists():
+            raise RuleError(f"there is no rule base {name}, expected a YAML file, a folder of them, or `{OWN}`")
+    wrong = [name for name in named if not _show(check_rules(_path(name)), as_json)]
     if wrong:
         raise RuleError(f"{', '.join(wrong)}: wrong, expected no errors")
 

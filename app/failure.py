@@ -14,6 +14,7 @@ TITLES = {
     "ReadError": "The model cannot be read",
     "GeometryError": "The model describes no usable solid",
     "OverrideError": "The override cannot be",
+    "AmbiguousNameError": "The name is of several nodes",
     "RuleError": "The rule base is wrong",
     "OptionError": "An option is wrong",
     "MeshError": "A segment cannot be meshed",

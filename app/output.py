@@ -10,6 +10,8 @@ from pathlib import Path
 
 from kernel.errors import OptionError
 
+EXPECTED = "a path in a folder that files can be written to"
+
 
 def check_writable(path: str) -> None:
     """OptionError where a file at `path` could not be written; asked before the work starts."""
@@ -18,10 +20,15 @@ def check_writable(path: str) -> None:
         raise OptionError(f"{path}: is a folder, expected a file to write")
     folder = target.parent
     if not folder.is_dir():
-        raise OptionError(f"{path}: there is no folder {folder}")
-    writable = os.access(target, os.W_OK) if _is_special(target) else os.access(folder, os.W_OK | os.X_OK)
-    if not writable or (target.exists() and not os.access(target, os.W_OK)):
-        raise OptionError(f"{path}: cannot be written, permission denied")
+        raise OptionError(f"{path}: there is no folder {folder}, expected {EXPECTED}")
+    if target.exists() and not os.access(target, os.W_OK):
+        raise OptionError(f"{path}: cannot be written, permission denied, expected {EXPECTED}")
+    if not _is_special(target):
+        try:
+            tempfile.TemporaryFile(dir=folder).close()  # some folders say that they can be written to, and cannot
+        except OSError as error:
+            reason = (error.strerror or str(error)).lower()
+            raise OptionError(f"{path}: cannot be written, {reason}, expected {EXPECTED}") from error
 
 
 def write_files(contents: Mapping[str, bytes]) -> None:
@@ -52,7 +59,7 @@ def write_files(contents: Mapping[str, bytes]) -> None:
     except BrokenPipeError:
         raise
     except OSError as error:
-        raise OptionError(f"{path}: cannot be written, {error.strerror or error}") from error
+        raise OptionError(f"{path}: cannot be written, {error.strerror or error}, expected {EXPECTED}") from error
     finally:
         for temporary, _ in waiting:
             Path(temporary).unlink(missing_ok=True)

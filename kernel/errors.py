@@ -5,11 +5,13 @@
      |   +- ReadError         the model's text: syntax, names, numbers
      |   +- GeometryError     the model's solid: empty, degenerate, open
      |   +- OverrideError     an override that names no node, or cannot be
+     |   |   +- AmbiguousNameError  a name of several nodes
      |   +- RuleError         a rule file
      |   +- OptionError       an option, a format, a material, an output path
      +- CannotMeshError       the input is fine, this part cannot be done  exit status 3, HTTP 409
      |   +- MeshError         a segment that cannot be meshed
      |   +- ConnectError      a joint that cannot be connected
+     |   +- CheckError        a model that does not pass its own checks
      |   +- DeckError         a model that a format cannot carry
      +- DefectError           an invariant of ours is broken              exit status 1, HTTP 500
 
@@ -64,6 +66,10 @@ class GeometryError(InputError):
 
 class OverrideError(InputError):
     """An override names a node that does not exist, or a type that the node cannot be."""
+
+
+class AmbiguousNameError(OverrideError):
+    """A node's name that stands more than once where one node is meant."""
 
 
 class RuleError(InputError):

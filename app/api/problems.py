@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+from collections.abc import Mapping
 from typing import Any
 
 from fastapi import FastAPI, Request
@@ -14,10 +16,17 @@ from app.failure import failure, problem
 from app.schemas import Problem
 from app.settings import MAX_MODEL_BYTES, MAX_REQUEST_BYTES
 from kernel.errors import CsgmeshError
+from kernel.words import did_you_mean
 
 MEDIA_TYPE = "application/problem+json"
 MULTIPART_SLACK = 10_000
 """Bytes that a multipart body may have around its file."""
+
+ROUTING = {
+    "Not Found": "there is no such path, expected one of those that /docs lists",
+    "Method Not Allowed": "this path knows no such method, expected one of those that /docs lists",
+}
+"""What the router says, and what we say."""
 
 RESPONSES = {
     400: "The request is malformed",
@@ -63,15 +72,16 @@ def install(application: FastAPI) -> None:
     def known(_request: Request, error: Exception) -> JSONResponse:
         return respond(problem(failure(error)))
 
-    def refused(_request: Request, error: Exception) -> JSONResponse:
+    def refused(request: Request, error: Exception) -> JSONResponse:
         assert isinstance(error, HTTPException)
-        return respond(_plain(error.status_code, str(error.detail)), error.headers)
+        detail = str(error.detail)
+        if detail in ROUTING:  # the router's own words, which say neither what nor where
+            detail = f"{request.method} {request.url.path}: {ROUTING[detail]}"
+        return respond(_plain(error.status_code, detail), error.headers)
 
-    def invalid(_request: Request, error: Exception) -> JSONResponse:
+    def invalid(request: Request, error: Exception) -> JSONResponse:
         assert isinstance(error, RequestValidationError)
-        first = error.errors()[0]
-        where = ".".join(str(part) for part in first["loc"] if part not in ("body", "query", "path"))
-        message = f"{where or 'the body'}: {first['msg']}"
+        message = invalid_message(error.errors()[0], request)
         return respond(problem({"class": "OptionError", "exit_status": 2, "message": message}))
 
     application.add_exception_handler(CsgmeshError, known)
@@ -79,6 +89,39 @@ def install(application: FastAPI) -> None:
     application.add_exception_handler(RequestValidationError, invalid)
     application.add_exception_handler(Exception, known)
     application.add_middleware(BodyLimit)
+
+
+def invalid_message(wrong: Mapping[str, Any], request: Request) -> str:
+    """What is wrong with a body or a query, by the validator's first finding, and what was expected."""
+    location = [str(part) for part in wrong["loc"]]
+    field = ".".join(location[1:])
+    known = _fields(request)
+    if wrong["type"] == "json_invalid":
+        reason = wrong.get("ctx", {}).get("error", wrong["msg"])
+        return f"the body is no JSON: {reason}, expected an object with {known or 'fields'}"
+    if location == ["body"]:
+        return f"the body is {_said(wrong['input'])}, expected an object with the fields {known}"
+    if wrong["type"] == "extra_forbidden":
+        near = did_you_mean(location[-1], known.split(", "))
+        return f"unknown field {field!r}, expected one of {known}{near}"
+    if wrong["type"] == "missing":
+        return f"{field} is missing, expected the fields {known}" if known else f"{field} is missing"
+    expected = wrong["msg"].replace("Input should be", "").strip()
+    return f"{field} is {_said(wrong['input'])}, expected {expected[:1].lower()}{expected[1:]}"
+
+
+def _fields(request: Request) -> str:
+    """Names of the fields that the body of the request's operation has."""
+    route = request.scope.get("route")
+    body = getattr(route, "body_field", None)
+    schema = None if body is None else body.field_info.annotation
+    return ", ".join(getattr(schema, "model_fields", {}))
+
+
+def _said(value: Any) -> str:
+    """A value as JSON, not too long."""
+    text = json.dumps(value, default=str) if value is not None else "empty"
+    return text if len(text) <= 60 else f"{text[:57]}..."
 
 
 def respond(details: Problem, headers: Any = None) -> JSONResponse:

@@ -12,7 +12,7 @@ from app.api.context import Context, Ctx
 from app.api.problems import documented, problem_responses
 from app.schemas import Classification, Schema
 from app.store import ModelRow, OverrideRow
-from kernel.errors import OverrideError
+from kernel.errors import AmbiguousNameError, OverrideError
 
 router = APIRouter(prefix="/v1/models/{model_id}", tags=["segments"])
 
@@ -199,9 +199,11 @@ def _classify(context: Context, model: ModelRow, rulebase: str | None, new: dict
 
 
 def _path(context: Context, model: ModelRow, node: str) -> str:
-    """The canonical path of a path or name; 404 where nothing has that address."""
+    """The canonical path of a path or name; 404 where nothing has that address, 422 where several nodes have it."""
     try:
         path: str = context.ask("find", {**context.text_payload(model), "node": node})
+    except AmbiguousNameError:
+        raise
     except OverrideError as error:
         raise HTTPException(404, str(error)) from error
     return path

@@ -14,7 +14,7 @@ from kernel.csg.limits import check_material, missing_of_material
 from kernel.csg.outline import ordered_loops
 from kernel.csg.placement import mended_rigid, place
 from kernel.csg.polyhedra import closed_polyhedron
-from kernel.csg.source import MAX_SLICES, MAX_TREE_DEPTH, MIN_SIZE, did_you_mean, either, wrong_number
+from kernel.csg.source import MAX_SLICES, MAX_TREE_DEPTH, MIN_SIZE, either, wrong_number
 from kernel.csg.tree import (
     BOOLEANS,
     IDENTITY,
@@ -35,6 +35,7 @@ from kernel.csg.tree import (
 )
 from kernel.errors import Place, ReadError
 from kernel.units import UNIT_SETS
+from kernel.words import did_you_mean
 
 Path = tuple[str | int, ...]
 

@@ -13,10 +13,11 @@ from kernel.csg.leaves import FLAT_LEAVES, SOLID_LEAVES
 from kernel.csg.limits import check_tree
 from kernel.csg.parameters import Parameters
 from kernel.csg.placement import mended, rotation
-from kernel.csg.source import MAX_NODES, MAX_NUMBER, MAX_TREE_DEPTH, did_you_mean
+from kernel.csg.source import MAX_NODES, MAX_NUMBER, MAX_TREE_DEPTH
 from kernel.csg.statements import Statement, parse_statements
 from kernel.csg.tree import Block, Boolean, Cone, CsgModel, CsgNode, Cylinder, Hull, Matrix, Sphere, Wedge
 from kernel.errors import ReadError
+from kernel.words import did_you_mean
 
 _UNIONS = ("union", "group", "render", "color")
 _OPERATORS = (*_UNIONS, "difference", "intersection", "hull", "multmatrix", "linear_extrude", "rotate_extrude")

@@ -9,11 +9,12 @@ from kernel.csg import padl_syntax as syntax
 from kernel.csg.limits import check_material, check_tree, missing_of_material
 from kernel.csg.padl_numbers import CONSTANTS, FUNCTIONS, combine
 from kernel.csg.padl_solids import MOVES, SHAPES, PadlSolid, boolean
-from kernel.csg.source import MAX_NODES, MAX_TREE_DEPTH, did_you_mean, either, wrong_number
+from kernel.csg.source import MAX_NODES, MAX_TREE_DEPTH, either, wrong_number
 from kernel.csg.tree import IDENTITY, CsgModel
 from kernel.errors import Place, ReadError
 from kernel.materials import MATERIAL_NAMES, named_material
 from kernel.units import UNIT_SETS, unit_set
+from kernel.words import did_you_mean
 
 KEYWORDS = ("UNITS", "MATERIAL", "OUT", "UN", "DIF", "INT", "AT")
 _OPERATIONS = {"UN": "union", "DIF": "difference", "INT": "intersection"}
@@ -205,7 +206,7 @@ class _Reader:
         if name not in FUNCTIONS:
             raise self._error(
                 call.here,
-                f"unknown primitive {call.name!r}, expected {either([*SHAPES, *FUNCTIONS])}"
+                f"unknown primitive {call.name!r}, expected {either(list(SHAPES))}"
                 f"{did_you_mean(name, [*SHAPES, *FUNCTIONS])}",
             )
         if len(call.arguments) != 1 or call.arguments[0].key is not None:

@@ -8,10 +8,11 @@ from typing import Any
 
 import numpy as np
 
-from kernel.csg.source import MAX_NUMBER, MAX_SLICES, did_you_mean, either, wrong_number
+from kernel.csg.source import MAX_NUMBER, MAX_SLICES, either, wrong_number
 from kernel.csg.statements import Argument, Statement, Value
 from kernel.csg.tree import Matrix
 from kernel.errors import Place, ReadError
+from kernel.words import did_you_mean
 
 EVERYWHERE = ("$fn", "$fa", "$fs", "convexity", "timestamp")
 """Parameters that OpenSCAD may write on any statement."""

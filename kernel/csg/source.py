@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import contextlib
-import difflib
 import math
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from typing import NoReturn
 
 from lark import Lark
@@ -86,13 +85,6 @@ def check_brackets(text: str, source: str, blanks: re.Pattern[str], max_nesting:
     if opened:
         last, offset = opened[-1]
         raise ReadError(f"{last!r} is never closed, expected {_CLOSING[last]!r}", place=place_at(text, offset, source))
-
-
-def did_you_mean(name: str, known: Iterable[str]) -> str:
-    """`, did you mean 'x'?` where one of the known names is near, else nothing."""
-    by_lower = {candidate.lower(): candidate for candidate in sorted(known)}
-    near = difflib.get_close_matches(name.lower(), by_lower, n=1, cutoff=0.6)
-    return f", did you mean {by_lower[near[0]]!r}?" if near else ""
 
 
 def wrong_number(value: float, *, positive: bool = False) -> str | None:

@@ -17,7 +17,8 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from kernel.errors import OverrideError, Place
+from kernel.errors import AmbiguousNameError, OverrideError, Place
+from kernel.words import did_you_mean
 
 Matrix = NDArray[np.float64]
 
@@ -211,7 +212,7 @@ def child_path(path: str, index: int) -> str:
 def find(root: CsgNode, address: str) -> tuple[str, CsgNode]:
     """The (path, node) that `address` means: a path ("/", "0.2.1") or a name that stands once.
 
-    OverrideError: nothing has that address, or a name stands more than once.
+    OverrideError: nothing has that address. AmbiguousNameError: a name stands more than once.
     """
     named: list[tuple[str, CsgNode]] = []
     for path, node in walk(root):
@@ -223,5 +224,9 @@ def find(root: CsgNode, address: str) -> tuple[str, CsgNode]:
         return named[0]
     if named:
         paths = ", ".join(path for path, _ in named)
-        raise OverrideError(f"the name {address!r} stands {len(named)} times, expected one of the paths {paths}")
-    raise OverrideError(f"no node {address!r} in the model, expected '/', a path such as '0.1', or a node's name")
+        raise AmbiguousNameError(f"the name {address!r} stands {len(named)} times, expected one of the paths {paths}")
+    names = [node.name for _, node in walk(root) if node.name is not None]
+    raise OverrideError(
+        f"no node {address!r} in the model, expected '/', a path such as '0.1', or a node's name"
+        f"{did_you_mean(address, names)} (csgmesh tree shows them)"
+    )

@@ -47,6 +47,6 @@ def format_for(path: str, name: str | None = None) -> DeckFormat:
     for deck_format in known:
         if deck_format.name == name or (name is None and path.lower().endswith(deck_format.endings)):
             return deck_format
-    expected = ", ".join(f"{f.name} ({' '.join(f.endings)})" for f in known)
+    expected = ", ".join(f"{f.name} ({' '.join(f.endings) or 'only by --format'})" for f in known)
     what = f"unknown format {name!r}" if name else f"no format for the ending of {path!r}"
     raise OptionError(f"{what}, expected one of {expected}")

@@ -325,4 +325,4 @@ def _chunks(items: Sequence[int], size: int) -> Iterable[Sequence[int]]:
     return (items[start : start + size] for start in range(0, len(items), size))
 
 
-register(DeckFormat("nastran", "NASTRAN bulk data", (".bdf", ".nas"), "text/plain", write))
+register(DeckFormat("nastran", "NASTRAN bulk data", (".bdf", ".nas", ".dat"), "text/plain", write))

@@ -1,5 +1,7 @@
 """Models over HTTP: sent in three ways, read at once, refused with the command line's message."""
 
+import json
+
 import pytest
 
 PADL = """\
@@ -102,3 +104,35 @@ def test_every_operation_is_documented_with_an_example(client):
                 if parameter["in"] == "query":
                     assert parameter["schema"].get("examples") or parameter.get("examples"), f"{where} {parameter}"
     assert "Problem" in document["components"]["schemas"]
+
+
+@pytest.mark.parametrize(
+    "body, told",
+    [
+        ({"sise": 3}, "unknown field 'sise', expected one of size, order, "),
+        ({"sise": 3}, "did you mean 'size'?"),
+        ({"order": 3}, "order is 3, expected 1 or 2"),
+        ({"size": "abc"}, 'size is "abc", expected a valid number'),
+        ([1, 2], "the body is [1, 2], expected an object with the fields size, order, "),
+        ("{", "the body is no JSON: "),
+    ],
+)
+def test_a_wrong_body_says_which_fields_it_may_have(client, block, body, told):
+    content = body if isinstance(body, str) else json.dumps(body)
+    answer = client.post(f"/v1/models/{block}/meshes", content=content, headers={"Content-Type": "application/json"})
+    assert answer.status_code == 422 and told in answer.json()["detail"]
+
+
+def test_an_unknown_path_is_named(client):
+    answer = client.get("/v1/modles")
+    assert answer.status_code == 404 and answer.json()["detail"].startswith("GET /v1/modles: there is no such path")
+    assert client.patch("/v1/models").json()["detail"].startswith("PATCH /v1/models: this path knows no such method")
+
+
+def test_a_name_of_several_nodes_cannot_be_overridden(client):
+    feet = [{"kind": "block", "name": "FOOT", "size": size} for size in ([10, 10, 100], [10, 90, 10])]
+    text = json.dumps({"root": {"kind": "union", "operands": feet}})
+    model = client.post("/v1/models", content=text, headers={"Content-Type": "application/json"}).json()["id"]
+    answer = client.put(f"/v1/models/{model}/overrides/FOOT", json={"type": "brick"})
+    assert answer.status_code == 422 and "expected one of the paths 0, 1" in answer.json()["detail"]
+    assert client.put(f"/v1/models/{model}/overrides/FEET", json={"type": "brick"}).status_code == 404

@@ -1,6 +1,7 @@
 """Bad input: one line that says what is wrong and where, the right exit status, and nothing half-written."""
 
 import os
+import socket
 import subprocess
 import sys
 
@@ -163,3 +164,44 @@ def test_a_reader_that_goes_away_is_no_error(tmp_path):
     command = f"{sys.executable} -c 'from app.cli import main; main()' tree {model} | head -1"
     done = subprocess.run(["bash", "-c", command], capture_output=True, text=True, check=True)
     assert done.stderr == "" and done.stdout == "/ union\n"
+
+
+@pytest.mark.parametrize(
+    "arguments, line",
+    [
+        (["mesh"], "MODEL is missing, expected csgmesh mesh MODEL -o DECK [OPTIONS] (more by csgmesh mesh --help)"),
+        (["mesh", "a.csg"], "-o DECK is missing, expected csgmesh mesh MODEL -o DECK [OPTIONS] (more by csgmesh"),
+        (["mesh", "a.csg", "-o", "a.bdf", "--size", "abc"], "--size: 'abc' is wrong, expected a number"),
+        (["mesh", "a.csg", "-o", "a.bdf", "--size=abc"], "--size: 'abc' is wrong, expected a number"),
+        (["serve", "--port", "http"], "--port: 'http' is wrong, expected a whole number"),
+        (["mesch", "a.csg"], "unknown command 'mesch', expected one of mesh, classify"),
+        (["mesh", "a.csg", "--siz", "3"], "unknown option --siz, expected csgmesh mesh MODEL"),
+        (["rules", "chek"], "unknown command 'chek', expected one of check, test"),
+        (["rules", "check", "nofile.yaml"], "there is no rule base nofile.yaml, expected a YAML file, a folder"),
+        (["mesh", "a.csg", "-o", "a.xyz"], "no format for the ending of 'a.xyz', expected one of nastran (.bdf .nas"),
+        (["mesh", "a.csg", "-o", "/proc/x.bdf"], "/proc/x.bdf: cannot be written, "),
+    ],
+)
+def test_wrong_usage_says_what_was_expected(capsys, arguments, line):
+    assert run(arguments) == 2
+    printed = capsys.readouterr()
+    assert printed.err.startswith(f"error: {line}") and printed.out == ""
+    assert "expected" in printed.err and printed.err.count("\n") == 1
+
+
+def test_a_format_without_an_ending_says_how_it_is_had(capsys):
+    assert run(["mesh", "a.csg", "-o", "a.xyz"]) == 2
+    assert "abaqus (only by --format)" in capsys.readouterr().err
+
+
+def test_a_misspelt_name_is_put_right(attempt):
+    text = "PLATE = BLO(X=100, Y=60, Z=5)\nLEG = BLO(X=5, Y=5, Z=60)\nPART = PLATE UN LEG\nOUT PART\n"
+    _, line, _ = attempt(text, "--override", "PLAET=brick")
+    assert "did you mean 'PLATE'? (csgmesh tree shows them)" in line
+
+
+def test_a_port_in_use_is_named(capsys, tmp_path):
+    with socket.create_server(("127.0.0.1", 0)) as taken:
+        port = taken.getsockname()[1]
+        assert run(["serve", "--port", str(port), "--data", str(tmp_path)]) == 2
+    assert capsys.readouterr().err == f"error: port {port} is in use, choose another with --port\n"
