@@ -145,23 +145,26 @@ def _sets(csg: CsgModel, segments: Sequence[Segment], mesh: Mesh) -> tuple[Named
             unique = name if counts[name] == 1 else f"{name}_{'root' if path == '/' else path.replace('.', '_')}"
             wanted.append((unique, inside))
     wanted += [(segment.id, [segment.id]) for segment in segments]
-    return tuple(_named_set(name, inside, mesh) for name, inside in wanted)
+    parts = _elements_and_nodes(mesh)
+    return tuple(_named_set(name, [parts[segment] for segment in inside]) for name, inside in wanted)
 
 
 def _is_under(path: str, ancestor: str) -> bool:
     return ancestor == "/" or path == ancestor or path.startswith(f"{ancestor}.")
 
 
-def _named_set(name: str, segments: list[str], mesh: Mesh) -> NamedSet:
-    elements: list[NDArray[np.int64]] = []
-    nodes: list[NDArray[np.int64]] = []
+def _elements_and_nodes(mesh: Mesh) -> dict[str, tuple[NDArray[np.int64], NDArray[np.int64]]]:
+    """By segment: its elements, numbered over all blocks, and its nodes."""
+    elements: dict[str, list[NDArray[np.int64]]] = {}
+    nodes: dict[str, list[NDArray[np.int64]]] = {}
     start = 0
     for block in mesh.blocks:
-        count = len(block.connectivity)
-        if block.segment in segments:
-            elements.append(np.arange(start, start + count))
-            nodes.append(block.connectivity.ravel())
-        start += count
-    if not elements:
-        raise DefectError(f"segments {', '.join(segments)} have no elements")
-    return NamedSet(name, np.unique(np.concatenate(nodes)), np.concatenate(elements))
+        elements.setdefault(block.segment, []).append(np.arange(start, start + len(block.connectivity)))
+        nodes.setdefault(block.segment, []).append(block.connectivity.ravel())
+        start += len(block.connectivity)
+    return {name: (np.concatenate(elements[name]), np.unique(np.concatenate(nodes[name]))) for name in elements}
+
+
+def _named_set(name: str, parts: Sequence[tuple[NDArray[np.int64], NDArray[np.int64]]]) -> NamedSet:
+    elements, nodes = zip(*parts)
+    return NamedSet(name, np.unique(np.concatenate(nodes)), np.sort(np.concatenate(elements)))

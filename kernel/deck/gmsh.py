@@ -10,6 +10,7 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from kernel.deck.deck import DeckFormat, register
 from kernel.deck.header import header_lines
@@ -60,19 +61,19 @@ def _sections(model: Model) -> Iterator[str]:
 
 def _groups(model: Model, entity: dict[str, int], dimension: dict[str, int]) -> list[tuple[str, int, list[int]]]:
     """(name, dimension, entities): a set that holds several dimensions becomes a group in each."""
-    start = 0
-    spans: list[tuple[str, int, int]] = []
-    for block in model.mesh.blocks:
-        spans.append((block.segment, start, start + len(block.connectivity)))
-        start += len(block.connectivity)
+    counts = [len(block.connectivity) for block in model.mesh.blocks]
+    owner = np.repeat([entity[block.segment] for block in model.mesh.blocks], counts)
+    size = np.bincount(owner, minlength=len(entity) + 1)
+    segment_of = {number: segment for segment, number in entity.items()}
     groups = []
     for named in model.sets:
-        inside = np.zeros(start, dtype=bool)
-        inside[named.elements] = True
-        held = dict.fromkeys(segment for segment, a, b in spans if b > a and inside[a:b].all())
+        inside = np.bincount(owner[named.elements], minlength=len(size))
+        held = np.flatnonzero((inside == size) & (size > 0)).tolist()
         name = named.name.replace('"', "'")
-        for d in sorted({dimension[segment] for segment in held}):
-            groups.append((name, d, [entity[segment] for segment in held if dimension[segment] == d]))
+        by_dimension: dict[int, list[int]] = {}
+        for number in held:
+            by_dimension.setdefault(dimension[segment_of[number]], []).append(number)
+        groups += [(name, d, by_dimension[d]) for d in sorted(by_dimension)]
     return groups
 
 
@@ -84,30 +85,37 @@ def _entities(
     groups: list[tuple[str, int, list[int]]],
 ) -> Iterator[str]:
     counts = [sum(dimension[segment] == d for segment in segments) for d in range(4)]
+    tags: dict[int, list[int]] = {}
+    for number, (_, _, members) in enumerate(groups, start=1):
+        for member in members:
+            tags.setdefault(member, []).append(number)
+    used: dict[str, list[NDArray[np.int64]]] = {}
+    for block in model.mesh.blocks:
+        used.setdefault(block.segment, []).append(block.connectivity.ravel())
     yield "$Entities"
     yield " ".join(map(str, counts))
     for d in (1, 2, 3):
         for segment in segments:
             if dimension[segment] != d:
                 continue
-            used = np.concatenate([b.connectivity.ravel() for b in model.mesh.blocks if b.segment == segment])
-            box = model.mesh.nodes[used]
+            box = model.mesh.nodes[np.concatenate(used[segment])]
             bounds = " ".join(free_field(x) for x in [*box.min(axis=0), *box.max(axis=0)])
-            tags = [k for k, (_, gd, members) in enumerate(groups, start=1) if gd == d and entity[segment] in members]
-            yield f"{entity[segment]} {bounds} {len(tags)}{''.join(f' {tag}' for tag in tags)} 0"
+            own = tags.get(entity[segment], [])
+            yield f"{entity[segment]} {bounds} {len(own)}{''.join(f' {tag}' for tag in own)} 0"
     yield "$EndEntities"
 
 
 def _nodes(model: Model, entity: dict[str, int], dimension: dict[str, int]) -> Iterator[str]:
     """Each node stands with the first segment that uses it; nodes of no element with the last."""
-    owner = np.full(model.mesh.n_node, -1)
     names = list(entity)
+    owner = np.full(model.mesh.n_node, len(names))
     for block in reversed(model.mesh.blocks):
-        owner[block.connectivity.ravel()] = names.index(block.segment)
-    owner[owner < 0] = len(names) - 1
-    yield "$Nodes"
-    held = [np.flatnonzero(owner == k) for k in range(len(names))]
+        owner[block.connectivity.ravel()] = entity[block.segment]
+    order = np.argsort(owner, kind="stable")
+    ends = np.searchsorted(owner[order], np.arange(1, len(names) + 2))
+    held = [order[ends[k] : ends[k + 1]] for k in range(len(names))]
     full = [(name, nodes) for name, nodes in zip(names, held) if len(nodes)]
+    yield "$Nodes"
     yield f"{len(full)} {model.mesh.n_node} 1 {model.mesh.n_node}"
     for name, nodes in full:
         yield f"{dimension[name]} {entity[name]} 0 {len(nodes)}"

@@ -101,6 +101,9 @@ class _Numbering:
             self.first.append(element)
             element += len(block.connectivity) * self.parts(block.kind)
         self.next_element = element
+        counts = [len(block.connectivity) for block in model.mesh.blocks]
+        self._parts = np.repeat(np.array([self.parts(b.kind) for b in model.mesh.blocks], dtype=np.int64), counts)
+        self._first = 1 + np.cumsum(self._parts) - self._parts
         if element + len(model.couplings) > 99_999_999 or model.mesh.n_node > 99_999_999:
             raise DeckError("NASTRAN ids end at 99,999,999, expected a smaller model")
 
@@ -114,16 +117,10 @@ class _Numbering:
         """How many NASTRAN elements one of ours becomes."""
         return len(_LINE_PARTS.get(kind, ((),)))
 
-    def element_ids(self, model: Model, indices: NDArray[np.int64]) -> NDArray[np.int64]:
+    def element_ids(self, indices: NDArray[np.int64]) -> NDArray[np.int64]:
         """Ids of elements numbered over all blocks."""
-        result: list[NDArray[np.int64]] = []
-        start = 0
-        for block, first in zip(model.mesh.blocks, self.first):
-            count, parts = len(block.connectivity), self.parts(block.kind)
-            inside = indices[(indices >= start) & (indices < start + count)] - start
-            result.append((first + inside[:, None] * parts + np.arange(parts)).ravel())
-            start += count
-        return np.sort(np.concatenate(result))
+        first, parts = self._first[indices], self._parts[indices]
+        return np.sort(np.concatenate([first, first[parts == 2] + 1]))
 
 
 def _sets(model: Model, numbering: _Numbering) -> list[str]:
@@ -131,7 +128,7 @@ def _sets(model: Model, numbering: _Numbering) -> list[str]:
     names = set_names([named.name for named in model.sets], 60)
     for number, (named, name) in enumerate(zip(model.sets, names)):
         lines.append(f"$ SET {2 * number + 1}: elements of {name}; SET {2 * number + 2}: its nodes")
-        lines += _set(2 * number + 1, numbering.element_ids(model, named.elements))
+        lines += _set(2 * number + 1, numbering.element_ids(named.elements))
         lines += _set(2 * number + 2, named.nodes + 1)
     return lines
 
