@@ -28,6 +28,21 @@ PIPE_STATUS = 128 + signal.SIGPIPE
 ALL_NODES = "*"
 """What `--explain` means without a node."""
 
+FORMATS_HELP = (
+    "Instead of what DECK's ending means: nastran (.bdf .nas .dat), ansys (.cdb, blocked archive), ansys5 (.ans, "
+    "commands of ANSYS 5.0), calculix (.inp), abaqus (no ending), sapiv (.sap), gmsh (.msh, 4.1), vtu (.vtu, VTK), "
+    "json (.json)."
+)
+MATERIAL_HELP = (
+    "Material of every segment, instead of what the model says, else steel: steel, stainless, aluminium, titanium "
+    "(Ti-6Al-4V), concrete (C30/37), one that the model defines, or a YAML file {name: S355, E: 210000, NU: 0.3, "
+    "RHO: 7.85e-9}."
+)
+COUPLING_HELP = (
+    "Where dimensions change: distributing (RBE3: a beam's end moves as the average of its patch), rigid (RBE2: the "
+    "patch moves as the beam's end does), work (equations: forces do the same work on both sides)."
+)
+
 app = typer.Typer(
     name="csgmesh",
     help="CSG solids to connected finite element models of beams, plates, cylinder-plates and bricks, by rules.",
@@ -47,7 +62,14 @@ OverrideOption = Annotated[
         help="Decide a node yourself, by path or name: beam, plate, plates, cylinder_plate, brick, split, auto.",
     ),
 ]
-UnitsOption = Annotated[str | None, typer.Option("--units", help="mm (default), cm, m, in, ft.")]
+UnitsOption = Annotated[
+    str | None,
+    typer.Option(
+        "--units",
+        help="Instead of what the model says, else mm. Consistent sets: mm (mm-t-s-N-MPa), cm (cm-100 kg-s-N), "
+        "m (m-kg-s-N-Pa), in (in-lbf-s-psi), ft (ft-slug-s-lbf-psf).",
+    ),
+]
 JsonOption = Annotated[bool, typer.Option("--json", help="Print JSON instead of text.")]
 
 
@@ -65,26 +87,28 @@ def root(
         typer.echo(context.get_help())
 
 
-@app.command()
+@app.command(epilog="Example: csgmesh mesh bracket.csg -o bracket.bdf --size 8 --override 0.1=brick --report b.html")
 def mesh(
     model: ModelArgument,
     output: Annotated[str, typer.Option("--output", "-o", metavar="DECK", help="The deck to write.")],
-    deck_format: Annotated[str | None, typer.Option("--format", help="Instead of what DECK's ending means.")] = None,
+    deck_format: Annotated[str | None, typer.Option("--format", help=FORMATS_HELP)] = None,
     size: Annotated[
         float | None, typer.Option(help="Target length of an element's edge; automatic by default.")
     ] = None,
-    order: Annotated[int, typer.Option(help="1 or 2.")] = 1,
+    order: Annotated[int, typer.Option(help="1: corner nodes only, 2: mid-side nodes too.")] = 1,
     faces: Annotated[str, typer.Option(help="Shells of: quad, tri.")] = "quad",
-    volumes: Annotated[str, typer.Option(help="Bricks of: auto, hex, tet.")] = "auto",
+    volumes: Annotated[
+        str, typer.Option(help="Bricks of: auto (hexes where they can be swept, else tets), hex (or refuse), tet.")
+    ] = "auto",
     units: UnitsOption = None,
     rules: RulesOption = None,
     override: OverrideOption = None,
-    material: Annotated[str | None, typer.Option(metavar="NAME|FILE", help="Material of every segment.")] = None,
-    coupling: Annotated[str, typer.Option(help="distributing, rigid, work.")] = "distributing",
+    material: Annotated[str | None, typer.Option(metavar="NAME|FILE", help=MATERIAL_HELP)] = None,
+    coupling: Annotated[str, typer.Option(help=COUPLING_HELP)] = "distributing",
     joint: Annotated[
         list[str] | None, typer.Option(metavar="JOINT=COUPLING", help="Coupling of one joint, as j3=rigid.")
     ] = None,
-    mass: Annotated[str, typer.Option(help="plain, or exact: densities scaled to the solid's mass.")] = "plain",
+    mass: Annotated[str, typer.Option(help="plain: densities as given; exact: scaled to the solid's mass.")] = "plain",
     report: Annotated[str | None, typer.Option(metavar="FILE.html", help="Write a report with pictures too.")] = None,
     unchecked: Annotated[
         bool, typer.Option("--unchecked", help="Write the model even if it does not pass its own checks.")
@@ -147,7 +171,7 @@ def mesh(
     _print(answer.model_dump_json(indent=1) if as_json else texts.mesh_text(answer, output, seconds))
 
 
-@app.command()
+@app.command(epilog="Example: csgmesh classify bracket.csg --explain 0.1")
 def classify(
     model: ModelArgument,
     rules: RulesOption = None,
@@ -173,7 +197,7 @@ def classify(
         _print(texts.classification_text(classified))
 
 
-@app.command()
+@app.command(epilog="Example: csgmesh tree bracket.csg")
 def tree(model: ModelArgument, as_json: JsonOption = False) -> None:
     """Show the CSG tree of MODEL."""
     csg = _read(model)
@@ -185,7 +209,7 @@ def tree(model: ModelArgument, as_json: JsonOption = False) -> None:
         _print(texts.tree_text(csg))
 
 
-@app.command()
+@app.command(epilog="Example: csgmesh evaluate bracket.csg -o bracket.stl")
 def evaluate(
     model: ModelArgument,
     output: Annotated[str, typer.Option("--output", "-o", metavar="SOLID", help="stl, glb, 3mf or ply.")],
@@ -209,7 +233,7 @@ def evaluate(
     _print(answer.model_dump_json(indent=1) if as_json else texts.solid_text(answer, output))
 
 
-@app.command()
+@app.command(epilog="Example: csgmesh quality bracket.bdf --json")
 def quality(
     deck: Annotated[str, typer.Argument(metavar="DECK", help="A NASTRAN, Gmsh 4.1 or VTU file.")],
     as_json: JsonOption = False,
@@ -230,7 +254,7 @@ def quality(
 app.add_typer(cli_rules.app)
 
 
-@app.command()
+@app.command(epilog="Example: csgmesh serve --port 8931 --data ~/csgmesh")
 def serve(
     host: Annotated[str | None, typer.Option(help="Address to listen at; 127.0.0.1 by default.")] = None,
     port: Annotated[int | None, typer.Option(help="Port to listen at; 8000 by default.")] = None,

@@ -49,7 +49,7 @@ def root(context: typer.Context) -> None:
         typer.echo(context.get_help())
 
 
-@app.command()
+@app.command(epilog="Example: csgmesh rules check rules.yaml")
 def check(files: FilesArgument = None, as_json: JsonOption = False) -> None:
     """Names, units, unreachable, shadowed and contradictory rules, gaps; fails where there are errors."""
     from rules.analysis import check as check_rules
@@ -63,7 +63,7 @@ def check(files: FilesArgument = None, as_json: JsonOption = False) -> None:
         raise RuleError(f"{', '.join(wrong)}: wrong, expected no errors")
 
 
-@app.command("test")
+@app.command("test", epilog="Example: csgmesh rules test rules.yaml")
 def run_cases(files: FilesArgument = None, as_json: JsonOption = False) -> None:
     """Run every case that the rules bring along; fails where one gives another answer."""
     from app.rulework import plan_of
@@ -74,7 +74,7 @@ def run_cases(files: FilesArgument = None, as_json: JsonOption = False) -> None:
         raise RuleError(f"{', '.join(wrong)}: cases failed, expected all to pass")
 
 
-@app.command()
+@app.command(epilog="Example: csgmesh rules coverage rules.yaml")
 def coverage(files: FilesArgument = None, as_json: JsonOption = False) -> None:
     """Which conditions the cases exercise both ways."""
     from app.rulework import plan_of
@@ -84,7 +84,7 @@ def coverage(files: FilesArgument = None, as_json: JsonOption = False) -> None:
         _show(cover(_load(name), plan_of), as_json)
 
 
-@app.command()
+@app.command(epilog="Example: csgmesh rules diff base rules.yaml models/")
 def diff(
     before: Annotated[str, typer.Argument(metavar="BEFORE", help="A rule base.")],
     after: Annotated[str, typer.Argument(metavar="AFTER", help="Another one.")],
@@ -99,7 +99,7 @@ def diff(
     _show(compare(_load(before), _load(after), _texts(models or [])), as_json)
 
 
-@app.command()
+@app.command(epilog="Example: csgmesh rules docs base")
 def docs(files: FilesArgument = None, as_json: JsonOption = False) -> None:
     """The facts that rules may use, and the parameters and rules of each FILE."""
     from rules.analysis import vocabulary_json, vocabulary_text

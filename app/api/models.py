@@ -89,7 +89,14 @@ async def create_model(
     request: Request,
     response: Response,
     context: Ctx,
-    name: Annotated[str | None, Query(max_length=200, examples=["table.csg"], description="name of the file")] = None,
+    name: Annotated[
+        str | None,
+        Query(
+            max_length=200,
+            examples=["table.csg"],
+            description="name of the model; else the uploaded file's own, else model.csg or model.json",
+        ),
+    ] = None,
 ) -> ModelResource:
     """Read a model and keep it: a tree as JSON, a .csg text (text/plain), or a file (multipart, field `file`)."""
     text, ending, given_name = await _body(request)

@@ -13,6 +13,10 @@ from pathlib import Path
 import pytest
 
 from app.cli import run
+from kernel.connect.couplings import COUPLINGS
+from kernel.deck.deck import formats
+from kernel.materials import MATERIAL_NAMES
+from kernel.units import UNIT_SETS
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
 TABLE = str(EXAMPLES / "table.csg")
@@ -37,6 +41,21 @@ def test_help_names_every_command_and_only_those_that_work(csgmesh):
     for name in listed:
         assert "Usage: csgmesh" in csgmesh(name, "--help")
     assert csgmesh() == csgmesh("--help")
+
+
+def test_every_command_has_an_example(csgmesh):
+    for name in ("mesh", "classify", "tree", "evaluate", "quality", "serve"):
+        assert f"Example: csgmesh {name} " in csgmesh(name, "--help")
+    for name in ("check", "test", "coverage", "diff", "docs"):
+        assert f"Example: csgmesh rules {name} " in csgmesh("rules", name, "--help")
+
+
+def test_the_help_of_mesh_names_what_there_is_to_choose_from(csgmesh):
+    shown = csgmesh("mesh", "--help")
+    words = set(re.findall(r"[\w.]+", shown))
+    endings = [ending for known in formats() for ending in known.endings]
+    assert {*UNIT_SETS, *MATERIAL_NAMES, *COUPLINGS, *(known.name for known in formats())} <= words
+    assert set(endings) <= set(re.findall(r"\.\w+", shown))
 
 
 def test_the_version_is_the_installed_one(csgmesh):
