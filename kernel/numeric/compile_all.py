@@ -15,6 +15,7 @@ import numpy as np
 
 def compile_all() -> float:
     """Seconds that it took: some twenty on a machine that has no cache yet, under one afterwards."""
+    from kernel.mesh.gaps import SampledCurve, gap_sizes
     from kernel.mesh.planar import mesh_region
     from kernel.mesh.region import Region
 
@@ -38,6 +39,10 @@ def compile_all() -> float:
         points, edges = _joined([_ring(ring) for ring in rings[:n_ring]])
         is_boundary = np.arange(len(edges)) < 56
         mesh_region(Region(points, edges, is_boundary, np.zeros(len(edges), np.bool_), 24.0), 1.0, "quad")
+    # seeds along two holes that nearly touch
+    t = np.linspace(0, -2 * np.pi, 33)
+    circles = [np.column_stack([x + np.cos(t), np.sin(t)]) for x in (0.0, 2.1)]
+    gap_sizes([SampledCurve(circle, i, i, True, 0.5) for i, circle in enumerate(circles)])
     return perf_counter() - started
 
 

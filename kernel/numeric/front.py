@@ -8,7 +8,7 @@
                         plate runs up to the holes and the irregular nodes gather at them. Holes
                         of four coarse edges fit in as squares: they grow a ring of their own before all.
 
-Sizes: the cells' wanted size is the length of short edges there, growing by `growth` per cell.
+Sizes: the lengths of short edges, growing by `growth` per unit of distance from them, on a grid of their own.
 Degenerate cases: a candidate across an edge is refused by an exact crossing test; inside or outside is told by the
 side of the nearest boundary edge (of two equally near, the one whose line is farther: a corner's true side).
 """
@@ -24,9 +24,14 @@ from kernel.numeric.bins import bin_edges, segment_distance2
 from kernel.numeric.compiled import compiled
 from kernel.numeric.cross_field import bilinear, cross_angle, cross_field
 from kernel.numeric.halfedge import BOUNDARY
+from kernel.numeric.size_grid import spread
 
 _NODE_CLEARANCE = 0.7
 _EDGE_CLEARANCE = 0.6
+_SHORT = 0.8
+"""Edges under this share of the size are meant: the mesh is graded towards them."""
+_MOST_FINER = 16
+_MOST_CELLS = 1000000
 _QUARTER = math.pi / 2
 EARLY = 0
 LATE = 1
@@ -35,33 +40,42 @@ RING = 2
 
 
 @compiled
-def size_grid(points, start, end, size, x0, y0, n_x, n_y, growth):
-    """Wanted size by cell (cells have side `size`), and the smallest."""
-    n = n_x * n_y
-    wanted = np.full(n, size)
+def size_grid(points, start, end, size, x0, y0, x1, y1, growth):
+    """Wanted size by cell of a grid of its own, with its cells' side and numbers, and the smallest size.
+
+    The lengths of short edges, growing by `growth` per unit of distance. Cells as small as short edges ask for, but
+    not so many that the grid costs more than the mesh.
+    """
     smallest = size
     for i in range(len(start)):
         a = start[i]
         b = end[i]
-        length = math.hypot(points[b, 0] - points[a, 0], points[b, 1] - points[a, 1])
-        if length < 0.8 * size:
-            column = int((0.5 * (points[a, 0] + points[b, 0]) - x0) / size)
-            q = int((0.5 * (points[a, 1] + points[b, 1]) - y0) / size) * n_x + column
-            wanted[q] = min(wanted[q], length)
-            smallest = min(smallest, length)
-    if smallest < size:
-        for sweep in range(8):
-            for row in range(1, n_y - 1):
-                j = row if sweep % 2 == 0 else n_y - 1 - row
-                for column in range(1, n_x - 1):
-                    i = column if sweep % 4 < 2 else n_x - 1 - column
-                    q = j * n_x + i
-                    straight = min(min(wanted[q - 1], wanted[q + 1]), min(wanted[q - n_x], wanted[q + n_x]))
-                    lower = min(wanted[q - 1 - n_x], wanted[q + 1 - n_x])
-                    upper = min(wanted[q - 1 + n_x], wanted[q + 1 + n_x])
-                    least = min(straight + growth * size, min(lower, upper) + growth * 1.41 * size)
-                    wanted[q] = min(wanted[q], least)
-    return wanted, smallest
+        smallest = min(smallest, math.hypot(points[b, 0] - points[a, 0], points[b, 1] - points[a, 1]))
+    finer = 1
+    if smallest < _SHORT * size:
+        n_coarse = (x1 - x0) * (y1 - y0) / (size * size)
+        most = _MOST_CELLS + 4 * n_coarse
+        while finer < _MOST_FINER and size / finer > 2 * smallest and n_coarse * (2 * finer) ** 2 < most:
+            finer *= 2
+    cell = size / finer
+    n_x = int((x1 - x0) / cell) + 1
+    n_y = int((y1 - y0) / cell) + 1
+    wanted = np.full(n_x * n_y, size)
+    if smallest < _SHORT * size:
+        for i in range(len(start)):
+            ax = points[start[i], 0]
+            ay = points[start[i], 1]
+            dx = points[end[i], 0] - ax
+            dy = points[end[i], 1] - ay
+            length = math.hypot(dx, dy)
+            if length < _SHORT * size:
+                n_sample = int(length / cell) + 1
+                for k in range(n_sample):
+                    t = (k + 0.5) / n_sample
+                    q = int((ay + t * dy - y0) / cell) * n_x + int((ax + t * dx - x0) / cell)
+                    wanted[q] = min(wanted[q], length)
+        spread(wanted, cell, n_x, n_y, growth)
+    return wanted, cell, n_x, n_y, smallest < _SHORT * size
 
 
 @compiled
@@ -126,12 +140,15 @@ def grow_front(points, start, end, kind, order, size, dominant_cos, dominant_sin
     n_x = int((x_high - x0) / size) + 4
     n_y = int((y_high - y0) / size) + 4
     field_cos, field_sin = cross_field(points, start, end, size, x0, y0, n_x, n_y, dominant_cos, dominant_sin, screen)
-    wanted, smallest = size_grid(points, start, end, size, x0, y0, n_x, n_y, growth)
-    is_graded = smallest < size
+    wanted, fine, fine_x, fine_y, is_graded = size_grid(
+        points, start, end, size, x0, y0, x0 + n_x * size, y0 + n_y * size, growth
+    )
     offset, edges = bin_edges(points, start, end, x0, y0, size, n_x, n_y)
     most = 4 * n_point + 100
-    for q in range(n_x * n_y):
-        most += int(3 * (size / wanted[q]) ** 2) + 1
+    room = 0.0
+    for q in range(fine_x * fine_y):
+        room += 3 * (fine / wanted[q]) ** 2
+    most += int(room)
     nodes = np.empty((most, 2))
     angles = np.empty(most)
     successor = np.full(most, -1, np.int32)
@@ -191,7 +208,7 @@ def grow_front(points, start, end, kind, order, size, dominant_cos, dominant_sin
         py = nodes[p, 1]
         step = size
         if is_graded:
-            step = bilinear(px, py, wanted, size, x0, y0, n_x, n_y)
+            step = bilinear(px, py, wanted, fine, x0, y0, fine_x, fine_y)
         for d in range(4):
             arm = angles[p] + d * _QUARTER
             x = px + step * math.cos(arm)
@@ -208,7 +225,7 @@ def grow_front(points, start, end, kind, order, size, dominant_cos, dominant_sin
             angle = cross_angle(x, y, field_cos, field_sin, size, x0, y0, n_x, n_y)
             here = size
             if is_graded:
-                here = bilinear(x, y, wanted, size, x0, y0, n_x, n_y)
+                here = bilinear(x, y, wanted, fine, x0, y0, fine_x, fine_y)
             node2 = _NODE_CLEARANCE * here
             edge2 = (_EDGE_CLEARANCE * here) ** 2
             if not _is_inside_and_free(

@@ -1,0 +1,92 @@
+"""Seeds that follow the gaps between curves: where holes nearly touch, uniform seeds would make needles.
+
+A curve is sampled; at each sample the wanted size is the smaller of the size asked for and a share of the gap to the
+curve that faces it through the material; sizes grow gently along curves and from curve to curve; and a curve is
+divided so that each element takes its share of the integral of 1 / size.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kernel.numeric.gaps import gaps_between, grade_across, grade_along
+
+PER_GAP = 0.7
+"""Elements are at most this share of the gap long: quads across a gap are then not far from square."""
+LEAST = 1 / 40
+"""But never shorter than this share of the size asked for: narrower gaps get stretched elements."""
+GROWTH = 0.25
+"""Growth of the size per unit of length along a curve."""
+SAMPLES_PER_SIZE = 4
+"""How densely a curve should be sampled."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SampledCurve:
+    """A curve in the plane of its face.
+
+    points: (n, 2), ends included; where it bounds the face, with the material on the left. first, last: numbers of
+    its vertices, the same for a closed curve. is_boundary: False for imprints. size: wanted along it. A hard point
+    inside the face is a curve of two equal points.
+    """
+
+    points: NDArray[np.float64]
+    first: int
+    last: int
+    is_boundary: bool
+    size: float
+
+    @property
+    def along(self) -> NDArray[np.float64]:
+        """Arc length of each sample from the first."""
+        steps = np.hypot(*np.diff(self.points, axis=0).T)
+        return np.concatenate([[0.0], np.cumsum(steps)])
+
+
+def gap_sizes(curves: Sequence[SampledCurve], period: float | None = None) -> list[NDArray[np.float64]]:
+    """Wanted size at each curve's samples, (n,) each. period: of the first coordinate, on unrolled cylinders."""
+    points = np.concatenate([curve.points for curve in curves])
+    along = np.concatenate([curve.along for curve in curves])
+    counts = np.array([len(curve.points) for curve in curves])
+    curve_of = np.repeat(np.arange(len(curves), dtype=np.int32), counts)
+    is_inner = np.diff(curve_of) == 0
+    start = np.flatnonzero(is_inner).astype(np.int32)
+    names = {name: i for i, name in enumerate(sorted({v for c in curves for v in (c.first, c.last)}))}
+    first = np.array([names[curve.first] for curve in curves], np.int32)
+    last = np.array([names[curve.last] for curve in curves], np.int32)
+    length = np.array([curve.along[-1] for curve in curves])
+    is_boundary = np.array([curve.is_boundary for curve in curves], np.uint8)
+    size = np.repeat(np.array([curve.size for curve in curves], np.float64), counts)
+    reach = float(size.max()) / PER_GAP
+    gap = gaps_between(
+        points,
+        start,
+        start + np.int32(1),
+        curve_of,
+        along,
+        first,
+        last,
+        length,
+        is_boundary,
+        reach,
+        float(period or 0.0),
+    )
+    sizes = np.minimum(size, np.maximum(PER_GAP * gap, LEAST * size))
+    grade_across(points, sizes, reach / 4, GROWTH)
+    grade_along(sizes, along, curve_of, first, last, len(names), GROWTH)
+    return np.split(sizes, np.cumsum(counts)[:-1])
+
+
+def divide(along: NDArray[np.float64], sizes: NDArray[np.float64], least: int, is_even: bool) -> NDArray[np.float64]:
+    """Arc lengths of the seeds between the curve's ends. along, sizes: (n,) at its samples; least: fewest elements."""
+    step = np.diff(along)
+    elements = np.concatenate([[0.0], np.cumsum(step * 0.5 * (1 / sizes[1:] + 1 / sizes[:-1]))])
+    count = max(least, 2 * round(elements[-1] / 2) if is_even else round(elements[-1]), 1)
+    if is_even:
+        count += count % 2
+    inner = elements[-1] * np.arange(1, count) / count
+    return np.interp(inner, elements, along)
