@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import json
 import re
 from collections import Counter
 from pathlib import Path
 
 import pytest
 
+from app.cli import run
 from app.pipeline import classify, mesh, read, resolve_overrides, write_deck
 from kernel.errors import OverrideError
 from kernel.mesh.options import MeshOptions
@@ -21,12 +23,23 @@ def types_of(classified) -> Counter:
     return Counter(segment.type for segment in classified.partition.segments)
 
 
-def test_the_readme_shows_lines_that_run(monkeypatch):
-    monkeypatch.chdir(ROOT)
+def test_the_readme_shows_lines_that_run(monkeypatch, tmp_path):
+    (tmp_path / "examples").symlink_to(ROOT / "examples")
+    monkeypatch.chdir(tmp_path)
     (block,) = re.findall(r"```python\n(.*?)```", (ROOT / "README.md").read_text(), re.DOTALL)
     names: dict = {}
     exec(compile(block, "README.md", "exec"), names)
     assert names["deck"].endswith(b"ENDDATA\n")
+    assert (tmp_path / "bracket.bdf").read_bytes() == names["deck"]
+
+
+def test_the_readmes_table_of_bricks_is_of_bricks_only(monkeypatch, tmp_path, capsys):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "examples").symlink_to(ROOT / "examples")
+    text = (ROOT / "README.md").read_text().replace("\\\n", " ")
+    (line,) = re.findall(r"\$ csgmesh (mesh .*-o bricks\.bdf.*)", text)
+    assert run([*line.split(), "--json"]) == 0
+    assert set(json.loads(capsys.readouterr().out)["elements"]) == {"hex8"}
 
 
 def test_a_table_is_one_plate_and_four_beams_joined_as_one_component():
