@@ -6,7 +6,8 @@ the cut inherited the other's surface. So both are found the same way, without a
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from bisect import bisect_right
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -33,6 +34,9 @@ SLIVER_WIDTH = 10.0
 
 CONVEX = 1e-10
 """A face whose area is that of its hull within this is its hull: no boundary need be chained."""
+
+NEAR_MISS = 1e-3
+"""Faces that are nearer to one another than this share of the model's size, and do not touch, are worth a word."""
 
 END_ON = 0.9
 """A beam meets a face with its end where the face's normal leans on its axis by more than this cosine."""
@@ -144,6 +148,52 @@ def _centre(surface: Surface, patch: Polygon | MultiPolygon) -> Array:
     axis, angle = surface.axis, middle.x / surface.radius
     around = np.cos(angle) * axis.x + np.sin(angle) * axis.y
     return axis.point + surface.radius * around + middle.y * axis.direction
+
+
+# ---------------------------------------------------------------- near misses
+
+
+def near_misses(segments: Sequence[Segment], evaluated: Evaluated, joints: Sequence[Joint]) -> tuple[str, ...]:
+    """A line for each pair of segments without a joint whose parallel faces almost touch: a gap that was not meant?"""
+    table = evaluated.solid.surfaces
+    reach = NEAR_MISS * evaluated.size
+    joined = {frozenset(joint.segments) for joint in joints}
+    faces = [faces_of(segment.solid) for segment in segments]
+    rows = [row for index, of_segment in enumerate(faces) for row in _rows(index, of_segment)]
+    found: dict[tuple[int, int], tuple[float, float]] = {}
+    for one, other, gap in _almost_facing(rows, table.surfaces, table.tolerance, reach):
+        pair = (min(one.segment, other.segment), max(one.segment, other.segment))
+        if frozenset(segments[index].id for index in pair) in joined or found.get(pair, (gap,))[0] < gap:
+            continue
+        area = _patch(faces[one.segment], one).intersection(_patch(faces[other.segment], other)).area
+        if area > reach**2:
+            found[pair] = (gap, float(area))
+    return tuple(
+        f"{segments[a].id} and {segments[b].id} are {gap:.3g} apart over an area of {area:.3g}: they are not joined"
+        for (a, b), (gap, area) in sorted(found.items())
+    )
+
+
+def _almost_facing(
+    rows: list[_Face], surfaces: Sequence[Surface], tolerance: float, reach: float
+) -> Iterator[tuple[_Face, _Face, float]]:
+    """Pairs of plane faces of different segments that look at one another over a gap up to `reach`."""
+    by_direction: dict[tuple[float, ...], list[tuple[float, _Face]]] = {}
+    for row in rows:
+        surface = surfaces[row.surface]
+        if isinstance(surface, Plane):
+            key = tuple(np.round(surface.normal, 6) + 0.0)
+            by_direction.setdefault(key, []).append((surface.offset, row))
+    for group in by_direction.values():
+        above = [(offset, row) for offset, row in group if row.side > 0]
+        below = sorted(((offset, row) for offset, row in group if row.side < 0), key=lambda item: item[0])
+        offsets = [offset for offset, _ in below]
+        for offset, row in above:
+            for place in range(bisect_right(offsets, offset + tolerance), bisect_right(offsets, offset + reach)):
+                other = below[place][1]
+                apart = np.maximum(row.box[0], other.box[0]) - np.minimum(row.box[1], other.box[1])
+                if row.segment != other.segment and (apart <= reach).all():
+                    yield row, other, offsets[place] - offset
 
 
 # ---------------------------------------------------------------- kinds

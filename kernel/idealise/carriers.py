@@ -22,6 +22,9 @@ _SWEEP = np.array([0.482963, 0.836516, 0.258819])
 
 _SAMPLES_PER_TURN = 192
 
+_REFINEMENTS = 3
+"""Steps from the guide's nearest point to the traced curve's."""
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Line:
@@ -108,16 +111,22 @@ class Traced:
         return project(corners[index] * (1 - share) + corners[index + 1] * share, self.surfaces)
 
     def parameters(self, points: Array) -> Array:
-        """Parameters (n,) of the nearest points of the guide."""
+        """Parameters (n,) of the nearest points."""
         corners = self._corners()
         start, along = corners[:-1], np.diff(corners, axis=0)
         square = np.einsum("ij,ij->i", along, along)
         result = np.empty(len(points))
+        heading = np.empty((len(points), 3))
         for row, point in enumerate(points):
             share = np.clip(np.einsum("ij,ij->i", point - start, along) / square, 0, 1)
             distance = np.linalg.norm(start + share[:, None] * along - point, axis=1)
             best = int(np.argmin(distance))
             result[row] = self.lengths[best] + share[best] * np.sqrt(square[best])
+            heading[row] = along[best] / np.sqrt(square[best])
+        for _ in range(_REFINEMENTS):  # the nearest point of the guide is not quite that of the curve
+            result = result + np.einsum("ij,ij->i", points - self.at(result), heading)
+            if not self.is_closed:
+                result = np.clip(result, 0.0, self.lengths[-1])
         return np.mod(result, self.lengths[-1]) if self.is_closed else result
 
     def breaks(self, start: float, end: float) -> Array:

@@ -22,7 +22,7 @@ from kernel.idealise.topology import Topology
 from kernel.idealise.walls import Wall, patch_points
 from kernel.segment.faces import faces_of
 from kernel.segment.segments import Segment
-from kernel.solid.surfaces import FacetedSurface, Plane, signed_distance
+from kernel.solid.surfaces import FacetedSurface, Plane, Surface, outward, signed_distance
 
 Array = NDArray[np.float64]
 
@@ -44,8 +44,7 @@ class Seat:
 
 def is_on_face(wall: Wall, joint: Joint) -> bool:
     """Whether the joint lies on one of the wall's two faces (not on its edge)."""
-    shape = wall.segment.shape
-    if joint.surface in shape.surface_ids:  # type: ignore[union-attr]
+    if joint.surface in wall.surface_ids:
         return True
     surface = wall.segment.solid.surfaces.surfaces[joint.surface]
     if isinstance(surface, FacetedSurface):
@@ -65,7 +64,7 @@ def footprint(topology: Topology, sheet: Sheet, segment: Segment, joint: Joint) 
     for side in (1, -1):
         if (joint.surface, side) not in faces.areas:
             continue
-        out = side * _normal_at(table.surfaces[joint.surface], joint.centre)
+        out = side * outward(table.surfaces[joint.surface], joint.centre[None])[0]
         leaving = joint.normal if joint.segments[0] == segment.id else -joint.normal
         if out @ leaving < 0:
             continue
@@ -75,12 +74,6 @@ def footprint(topology: Topology, sheet: Sheet, segment: Segment, joint: Joint) 
             if stretches:
                 outlines.append(stretches)
     return outlines
-
-
-def _normal_at(surface: object, point: Array) -> Array:
-    from kernel.solid.surfaces import outward
-
-    return outward(surface, point[None])[0]  # type: ignore[arg-type]
 
 
 def footprint_candidates(parts: Parts) -> list[Candidate]:
@@ -113,7 +106,7 @@ def lap_candidates(parts: Parts) -> list[Candidate]:
     return found
 
 
-def _patch_outline(topology: Topology, wall: Wall, surface: object, flat: Array) -> list[Candidate]:
+def _patch_outline(topology: Topology, wall: Wall, surface: Surface, flat: Array) -> list[Candidate]:
     """Straight pieces of a patch's outline, in the wall's mid-plane."""
     assert isinstance(surface, Plane)
     points = flat[:, :1] * surface.u + flat[:, 1:] * surface.v + surface.offset * surface.normal
@@ -157,14 +150,12 @@ def _patch_range(parts: Parts, beam: Beam, joint: Joint) -> tuple[float, float]:
     return beam.offset_of(offsets.min() * beam.direction), beam.offset_of(offsets.max() * beam.direction)
 
 
-def _outline_points(surface: object, joint: Joint) -> Array:
+def _outline_points(surface: Surface, joint: Joint) -> Array:
     """All corners (n, 3) of a joint's patch."""
     flat = np.vstack([np.asarray(part.exterior.coords)[:, :2] for part in shapely.get_parts(joint.patch)])
     if isinstance(surface, Plane):
         return flat[:, :1] * surface.u + flat[:, 1:] * surface.v + surface.offset * surface.normal
-    from shapely import MultiPoint
-
-    return patch_points(surface, MultiPoint(flat).convex_hull)  # type: ignore[arg-type]
+    return patch_points(surface, shapely.MultiPoint(flat).convex_hull)
 
 
 def _axis_seat(parts: Parts, beam: Beam, wall: Wall, joint: Joint) -> tuple[int, float, float]:

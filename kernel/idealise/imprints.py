@@ -15,10 +15,11 @@ import shapely
 from numpy.typing import NDArray
 
 from kernel.connect.joints import Joint
-from kernel.idealise.outlines import Stretch, meeting_point, polyline, unwrapped
+from kernel.idealise.crossings import Crossing, merged
+from kernel.idealise.outlines import Stretch, meeting_point, polyline, unwrapped, windowed
 from kernel.idealise.sheets import Sheet
 from kernel.idealise.topology import BOUNDARY, IMPRINT, Span, Topology
-from kernel.idealise.walls import Crossing, Wall, windowed
+from kernel.idealise.walls import Wall
 from kernel.solid.surfaces import signed_distance
 
 Array = NDArray[np.float64]
@@ -63,8 +64,6 @@ def piece(topology: Topology, carrier: int, start: float, end: float) -> Stretch
 
 def crossing_candidates(topology: Topology, crossings: Sequence[Crossing]) -> list[Candidate]:
     """The joint curves of walls, in both of them."""
-    from kernel.idealise.walls import merged
-
     found = []
     for crossing in crossings:
         period = topology.carrier(crossing.carrier).period

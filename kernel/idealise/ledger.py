@@ -15,13 +15,14 @@ import shapely
 from numpy.typing import NDArray
 
 from kernel.idealise.carriers import Circle, Line
+from kernel.idealise.crossings import Crossing, whole_range
 from kernel.idealise.members import LedgerRow
 from kernel.idealise.outlines import PolygonLike, Stretch, unwrapped
 from kernel.idealise.parts import Parts
 from kernel.idealise.regions import strip
 from kernel.idealise.sheets import PlaneSheet, Sheet
 from kernel.idealise.topology import Topology
-from kernel.idealise.walls import Crossing, Wall, whole_range
+from kernel.idealise.walls import Wall
 
 NEGLIGIBLE = 1e-12
 """Rows smaller than this share of the model's volume are rounding."""

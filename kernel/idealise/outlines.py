@@ -19,7 +19,7 @@ from kernel.idealise.implicit import project
 from kernel.idealise.intersections import intersection
 from kernel.idealise.sheets import PlaneSheet, Sheet
 from kernel.idealise.topology import Topology
-from kernel.solid.surfaces import CylinderSurface, FacetedSurface, Plane, Surface
+from kernel.solid.surfaces import Axis, CylinderSurface, FacetedSurface, Plane, Surface
 from kernel.solid.table import SurfaceTable
 
 Array = NDArray[np.float64]
@@ -159,6 +159,16 @@ def unwrapped(sheet: Sheet, points: Array) -> Array:
     return flat
 
 
+def windowed(sheet: Sheet, geometry: shapely.Geometry) -> shapely.Geometry:
+    """Geometry in unwrapped coordinates brought within one turn of a cylinder; as it is on planes."""
+    if isinstance(sheet, PlaneSheet) or geometry.is_empty:
+        return geometry
+    low, high = geometry.bounds[1], geometry.bounds[3]
+    window = shapely.box(sheet.seam, low - 1 - abs(low), sheet.seam + sheet.turn, high + 1 + abs(high))
+    copies = [shapely.transform(geometry, lambda at, k=k: at + (k * sheet.turn, 0.0)) for k in (-2, -1, 0, 1, 2)]
+    return shapely.union_all([copy.intersection(window) for copy in copies])
+
+
 def ring_points(topology: Topology, sheet: Sheet, ring: list[Stretch]) -> Array:
     """The ring as a closed line (n, 2), last point as the first; one that winds ends a period further on."""
     pieces = [polyline(topology, stretch) for stretch in ring]
@@ -210,8 +220,6 @@ def transversal(sheet: Sheet, carrier: Carrier) -> tuple[Surface, ...]:
         return (Plane(normal, float(normal @ carrier.point), carrier.direction, np.cross(normal, carrier.direction)),)
     assert isinstance(carrier, Circle)
     if isinstance(sheet, PlaneSheet):
-        from kernel.solid.surfaces import Axis
-
         axis = Axis(carrier.centre, carrier.normal, carrier.x, carrier.y)
         return (CylinderSurface(axis, -1, carrier.radius),)
     return (Plane(carrier.normal, float(carrier.normal @ carrier.centre), carrier.x, carrier.y),)

@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING
 
 from kernel.connect.joints import Joint
 from kernel.idealise.beam import Beam
+from kernel.idealise.crossings import Crossing
 from kernel.idealise.topology import Topology
-from kernel.idealise.walls import Crossing, Wall
+from kernel.idealise.walls import Wall
 from kernel.segment.segments import Segment
 
 if TYPE_CHECKING:

@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 from shapely import LineString, Polygon
 
 from kernel.idealise.carriers import Line
+from kernel.idealise.crossings import CURVED_OVERLAP, Crossing, samples, slab_edges, whole_range
 from kernel.idealise.outlines import (
     PolygonLike,
     Stretch,
@@ -31,19 +32,11 @@ from kernel.idealise.outlines import (
     ring_points,
     stretch_between,
     unwrapped,
+    windowed,
 )
 from kernel.idealise.sheets import CylinderSheet, PlaneSheet, Sheet
 from kernel.idealise.topology import Topology
-from kernel.idealise.walls import (
-    CURVED_OVERLAP,
-    Crossing,
-    Wall,
-    samples,
-    section_outline,
-    slab_edges,
-    whole_range,
-    windowed,
-)
+from kernel.idealise.walls import Wall, section_outline
 from kernel.segment.segments import Segment
 from kernel.segment.slices import parts_of
 

@@ -57,7 +57,7 @@ def sheet_rings(solid: Solid, sheet: Sheet) -> list[Ring]:
     corners = np.array([[height[i, 0], height[j, 1], height[k, 2]] for i in (0, 1) for j in (0, 1) for k in (0, 1)])
     along = corners @ sheet.axis.direction
     margin = solid.size
-    axis_id = sheet.surface.axis_id  # type: ignore[union-attr]
+    axis_id = sheet.surface.axis_id
     core = tube(table, axis_id, 0.0, sheet.radius, float(along.min()) - margin, float(along.max()) + margin)
     inside = intersect((solid, core))
     if inside.is_empty:

@@ -49,7 +49,7 @@ class CylinderSheet:
     """
 
     surface_id: int
-    surface: Surface
+    surface: CylinderSurface
     axis: Axis
     radius: float
     start: float

@@ -10,9 +10,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from kernel.connect.contacts import near_misses
 from kernel.connect.joints import Joint
 from kernel.idealise.beam import make_beam
 from kernel.idealise.brick import group_bricks
+from kernel.idealise.crossings import find_crossings
 from kernel.idealise.footprints import cut_edges, footprint_candidates, lap_candidates, seats
 from kernel.idealise.imprints import crossing_candidates, imprint, lay_outlines, outline_candidates
 from kernel.idealise.ledger import volume_ledger
@@ -20,16 +22,18 @@ from kernel.idealise.members import Assembly
 from kernel.idealise.parts import Parts
 from kernel.idealise.regions import join_walls
 from kernel.idealise.topology import BOUNDARY, Topology
-from kernel.idealise.walls import corner_material, find_crossings, make_wall
+from kernel.idealise.walls import corner_material, make_wall
+from kernel.mesh.beam_ties import beam_stations
 from kernel.mesh.beams import mesh_beams
 from kernel.mesh.bricks import mesh_bricks
 from kernel.mesh.faces import CurvesByFace, FaceMesh, SeededCurve, curves_by_face, mesh_face, seed_curves
 from kernel.mesh.mesh import ElementBlock, Mesh
+from kernel.mesh.meshed import Meshed
 from kernel.mesh.nodes import NodeTable
 from kernel.mesh.options import MeshOptions
 from kernel.mesh.second_order import raise_order
 from kernel.mesh.size_field import automatic_size, segment_sizes
-from kernel.mesh.ties import Meshed, beam_stations, make_ties
+from kernel.mesh.ties import make_ties
 from kernel.segment.segments import Segment
 from kernel.units import VERTEX_TOLERANCE
 
@@ -68,6 +72,7 @@ def assemble(
     curves = seed_curves(
         parts.topology,
         parts.topology.curves(),
+        {wall.index: wall.sheet for wall in parts.walls.values()},
         {wall.index: sizes[wall.segment.id] for wall in parts.walls.values()},
         nodes,
     )
@@ -101,7 +106,7 @@ def assemble(
         ties=ties,
         ledger=volume_ledger(parts),
         curve_uses=_curve_uses(curves),
-        warnings=tuple(parts.warnings),
+        warnings=(*parts.warnings, *near_misses(segments, evaluated, joints)),
         size=size,
     )
 

@@ -94,7 +94,7 @@ def _own_section(group: SweepGroup, size: float, kind: str) -> _Section:
     """The group's section meshed on its own curves; its nodes stay out of the model."""
     assert group.topology is not None
     flat = NodeTable()
-    curves = seed_curves(group.topology, group.topology.curves(), {0: size}, flat)
+    curves = seed_curves(group.topology, group.topology.curves(), {0: group.sheet}, {0: size}, flat)
     names = ", ".join(f"{brick.segment.id} ({brick.segment.node})" for brick in group.bricks)
     face = mesh_face(names, 0, group.sheet, curves, size, kind, flat)
     return _section(face, np.empty(0, np.int64), *curve_middles(group.topology, curves))

@@ -11,12 +11,22 @@ from numpy.typing import NDArray
 
 from kernel.errors import MeshError
 from kernel.idealise.carriers import is_curved
+from kernel.idealise.outlines import unwrapped
 from kernel.idealise.sheets import Sheet
 from kernel.idealise.topology import BOUNDARY, Curve, Topology
-from kernel.mesh.line import divisions, inner_points
+from kernel.mesh.gaps import SAMPLES_PER_SIZE, SampledCurve, divide, gap_sizes
+from kernel.mesh.line import least_divisions
 from kernel.mesh.nodes import NodeTable
 from kernel.mesh.planar import mesh_region
 from kernel.mesh.region import Region
+
+STRIP = 0.5
+"""A line that is beside a narrow strip for most of its length is divided by this share of the size: quads in strips
+may be long, and nothing is gained by making them square.
+"""
+
+MOST_SAMPLES = 4000
+"""Places along one curve at which gaps are measured."""
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
@@ -24,10 +34,11 @@ Indices = NDArray[np.int64]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SeededCurve:
-    """A curve and its nodes (n,), ends included, from its first vertex to its second."""
+    """A curve and its nodes (n,), from its first vertex to its second. parameters: theirs on the carrier."""
 
     curve: Curve
     nodes: Indices
+    parameters: Array
     is_curved: bool
 
 
@@ -48,22 +59,63 @@ class FaceMesh:
 
 
 def seed_curves(
-    topology: Topology, curves: Sequence[Curve], sizes: dict[int, float], nodes: NodeTable
+    topology: Topology,
+    curves: Sequence[Curve],
+    sheets: Mapping[int, Sheet],
+    sizes: Mapping[int, float],
+    nodes: NodeTable,
 ) -> list[SeededCurve]:
-    """Divide every curve once, by the smallest size of the faces that use it. sizes: by face."""
+    """Divide every curve once: by the smallest size of the faces that use it, finer beside narrow gaps in any of them.
+
+    sheets, sizes: by face.
+    """
     numbers: dict[int, int] = {}
     for curve in curves:
         for vertex in curve.vertices:
             if vertex not in numbers:
                 numbers[vertex] = int(nodes.add(topology.vertices.points[vertex])[0])
+    wanted = [min(sizes[face] for face in curve.uses) for curve in curves]
+    graded = _graded_sizes(topology, curves, sheets, wanted)
     seeded = []
-    for curve in curves:
+    for curve, size, along_curve in zip(curves, wanted, graded):
         carrier = topology.carrier(curve.carrier)
-        count = divisions(carrier, curve.length, min(sizes[face] for face in curve.uses))
-        inner = nodes.add(inner_points(carrier, curve.start, curve.end, count))
+        samples = np.linspace(0.0, curve.length, len(along_curve))
+        inner = curve.start + divide(samples, along_curve, least_divisions(carrier, curve.length, size), is_even=True)
+        parameters = np.concatenate([[curve.start], inner, [curve.end]])
         first, last = (numbers[vertex] for vertex in curve.vertices)
-        seeded.append(SeededCurve(curve, np.concatenate([[first], inner, [last]]), is_curved(carrier)))
+        between = nodes.add(carrier.at(inner))
+        seeded.append(SeededCurve(curve, np.concatenate([[first], between, [last]]), parameters, is_curved(carrier)))
     return seeded
+
+
+def _graded_sizes(
+    topology: Topology, curves: Sequence[Curve], sheets: Mapping[int, Sheet], wanted: Sequence[float]
+) -> list[Array]:
+    """Sizes along each curve, at samples evenly spaced from its start to its end: the least of what its faces ask."""
+    by_face: dict[int, list[int]] = {}
+    for place, curve in enumerate(curves):
+        for face in curve.uses:
+            by_face.setdefault(face, []).append(place)
+    points = []
+    for curve, size in zip(curves, wanted):
+        count = int(min(max(np.ceil(SAMPLES_PER_SIZE * curve.length / size), 2 * SAMPLES_PER_SIZE), MOST_SAMPLES))
+        points.append(topology.carrier(curve.carrier).at(np.linspace(curve.start, curve.end, count + 1)))
+    sizes = [np.full(len(samples), size) for samples, size in zip(points, wanted)]
+    for face in sorted(by_face):
+        sheet = sheets[face]
+        sampled = []
+        for place in by_face[face]:
+            curve = curves[place]
+            use = curve.uses[face]
+            flat = unwrapped(sheet, points[place] if use.forward else points[place][::-1])
+            first, last = curve.vertices if use.forward else curve.vertices[::-1]
+            sampled.append(SampledCurve(flat, first, last, use.role == BOUNDARY, wanted[place]))
+        for place, found in zip(by_face[face], gap_sizes(sampled, sheet.turn)):
+            ordered = found if curves[place].uses[face].forward else found[::-1]
+            if not is_curved(topology.carrier(curves[place].carrier)) and np.median(found) < STRIP * wanted[place]:
+                ordered = np.maximum(ordered, STRIP * wanted[place])
+            np.minimum(sizes[place], ordered, out=sizes[place])
+    return sizes
 
 
 def curves_by_face(curves: Sequence[SeededCurve]) -> dict[int, list[SeededCurve]]:
@@ -122,9 +174,7 @@ def curve_middles(topology: Topology, curves: Sequence[SeededCurve]) -> tuple[In
     edges, places = [np.empty((0, 2), np.int64)], [np.empty((0, 3))]
     for seeded in curves:
         if seeded.is_curved:
-            count = len(seeded.nodes) - 1
-            share = (np.arange(count) + 0.5) / count
-            curve = seeded.curve
+            middle = 0.5 * (seeded.parameters[:-1] + seeded.parameters[1:])
             edges.append(np.stack([seeded.nodes[:-1], seeded.nodes[1:]], axis=1))
-            places.append(topology.carrier(curve.carrier).at(curve.start + share * curve.length))
+            places.append(topology.carrier(seeded.curve.carrier).at(middle))
     return np.concatenate(edges), np.concatenate(places)

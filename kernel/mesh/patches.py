@@ -14,6 +14,8 @@ from kernel.solid.surfaces import CylinderSurface, Plane, Surface, signed_distan
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
+_GAUSS = 1 / np.sqrt(3)
+
 
 def flatten(surface: Surface, points: Array) -> Array:
     """Points (n, 3) in the coordinates of joints' patches: (x.u, x.v), or (radius * angle, z) within +-half a turn."""
@@ -87,6 +89,21 @@ def shape_functions(corners: Array, point: Array) -> Array:
         if np.abs(step).max() < 1e-14:
             break
     return 0.25 * np.array([(1 - r) * (1 - s), (1 + r) * (1 - s), (1 + r) * (1 + s), (1 - r) * (1 + s)])
+
+
+def corner_areas(corners: Array) -> Array:
+    """The integrals (n,) of a triangle's or quad's shape functions over it: what of its area falls to each corner."""
+    if len(corners) == 3:
+        first, second = corners[1] - corners[0], corners[2] - corners[0]
+        return np.full(3, abs(first[0] * second[1] - first[1] * second[0]) / 6)
+    result = np.zeros(4)
+    for r in (-_GAUSS, _GAUSS):
+        for s in (-_GAUSS, _GAUSS):
+            by_r = 0.25 * np.array([-(1 - s), 1 - s, 1 + s, -(1 + s)]) @ corners
+            by_s = 0.25 * np.array([-(1 - r), -(1 + r), 1 + r, 1 - r]) @ corners
+            weights = 0.25 * np.array([(1 - r) * (1 - s), (1 + r) * (1 - s), (1 + r) * (1 + s), (1 - r) * (1 + s)])
+            result += weights * abs(by_r[0] * by_s[1] - by_r[1] * by_s[0])
+    return result
 
 
 def node_areas(faces: SurfaceFaces, patch: shapely.Geometry) -> tuple[Indices, Array]:

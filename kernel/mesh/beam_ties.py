@@ -1,0 +1,187 @@
+"""Ties of beams: to other beams, to walls, to bricks; and the stations that these need."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from kernel.connect.joints import Joint
+from kernel.errors import ConnectError
+from kernel.idealise.beam import Beam
+from kernel.idealise.footprints import footprint, is_on_face
+from kernel.idealise.members import Tie
+from kernel.idealise.outlines import even_odd, ring_points
+from kernel.idealise.parts import Parts
+from kernel.idealise.walls import Wall, patch_points
+from kernel.mesh.faces import FaceMesh
+from kernel.mesh.meshed import Meshed, average, edge_nodes
+from kernel.mesh.patches import corner_areas
+from kernel.solid.surfaces import CylinderSurface, Plane, Surface
+
+Array = NDArray[np.float64]
+Indices = NDArray[np.int64]
+
+PARALLEL = 0.9
+"""Beams whose directions have this cosine run side by side."""
+
+
+def beam_stations(parts: Parts, joint: Joint, sizes: dict[str, float]) -> None:
+    """Put the stations that the joint needs into its beams, before they are divided."""
+    beams = [parts.beams[name] for name in joint.segments if name in parts.beams]
+    if len(beams) == 2 and joint.kind == "along" and abs(beams[0].direction @ beams[1].direction) > PARALLEL:
+        for point in side_by_side(parts, joint, min(sizes[name] for name in joint.segments)):
+            for beam in beams:
+                beam.stations.append(beam.offset_of(point))
+        return
+    for beam in beams:
+        if joint.kind == "end_on" or len(beams) == 2:
+            beam.stations.append(_snapped(parts, beam, beam.offset_of(joint.centre)))
+        elif joint.kind == "along":
+            start, end = _extent(parts, joint, beam)
+            beam.stations += [_snapped(parts, beam, start), _snapped(parts, beam, end)]
+
+
+def _snapped(parts: Parts, beam: Beam, offset: float) -> float:
+    for end in (beam.start, beam.end):
+        if abs(offset - end) <= 4 * parts.topology.tolerance:
+            return end
+    return offset
+
+
+def _extent(parts: Parts, joint: Joint, beam: Beam) -> tuple[float, float]:
+    surface = beam.segment.solid.surfaces.surfaces[joint.surface]
+    offsets = patch_points(surface, joint.patch) @ beam.direction
+    return (
+        beam.offset_of(float(offsets.min()) * beam.direction),
+        beam.offset_of(float(offsets.max()) * beam.direction),
+    )
+
+
+def side_by_side(parts: Parts, joint: Joint, size: float) -> Array:
+    """Points (n, 3) on the first beam's axis, along which two beams that run side by side are tied."""
+    first, second = (parts.beams[name] for name in joint.segments)
+    start, end = _extent(parts, joint, first)
+    reach = sorted(float(second.at(offset) @ first.direction) for offset in (second.start, second.end))
+    start, end = max(start, reach[0]), min(end, reach[1])
+    count = max(1, round((end - start) / size))
+    return np.array([first.at(offset) for offset in np.linspace(start, end, count + 1)])
+
+
+def _rigid(joint: Joint, independent: int, dependent: Sequence[int]) -> Tie:
+    return Tie("rigid", joint, np.array(list(dependent), dtype=np.int64), np.array([independent], dtype=np.int64))
+
+
+def beam_on_beam(meshed: Meshed, joint: Joint) -> list[Tie]:
+    """A rigid arm where one ends on the other or they cross; one at every station where they run side by side."""
+    first, second = (meshed.parts.beams[name] for name in joint.segments)
+    if joint.kind == "along" and abs(first.direction @ second.direction) > PARALLEL:
+        spacing = float(np.diff(first.offsets).max())
+        points = first.origin + first.offsets[:, None] * first.direction
+        start, end = _extent(meshed.parts, joint, first)
+        ties = []
+        slack = meshed.parts.topology.tolerance * 4
+        for offset, node, point in zip(first.offsets, first.nodes.tolist(), points):
+            if not start - slack <= offset <= end + slack:
+                continue
+            other = second.offset_of(point)
+            partner = second.node_at(other)
+            place = second.offsets[int(np.argmin(np.abs(second.offsets - other)))]
+            if abs(place - other) <= 1e-3 * spacing and abs(second.at(other) @ first.direction - offset) <= slack:
+                ties.append(_rigid(joint, partner, [node]))
+        if not ties:
+            raise ConnectError(f"{joint.id}: {first.segment.id} and {second.segment.id} have no stations side by side")
+        return ties
+    slack = 8 * meshed.parts.topology.tolerance
+    ends = [beam.is_end(beam.offset_of(joint.centre), slack) for beam in (first, second)]
+    leaning = [abs(beam.direction @ joint.normal) for beam in (first, second)]
+    ending, through = (first, second) if (ends[0], leaning[0]) >= (ends[1], leaning[1]) else (second, first)
+    return [
+        _rigid(
+            joint,
+            through.node_at(through.offset_of(joint.centre)),
+            [ending.node_at(ending.offset_of(joint.centre))],
+        )
+    ]
+
+
+def beam_on_wall(meshed: Meshed, joint: Joint, beam: Beam, wall: Wall) -> list[Tie]:
+    """The end's node on the elements in its footprint, or on the edge's nodes; node by node where it lies along."""
+    if joint.kind == "along":
+        ties = [
+            _rigid(joint, seat.wall_node, [seat.beam_node])
+            for seat in meshed.seated.get(beam.segment.id, [])
+            if seat.joint is joint
+        ]
+        if not ties:
+            raise ConnectError(f"{joint.id}: {beam.segment.id} finds no node of {wall.segment.id} along its axis")
+        return ties
+    node = beam.node_at(beam.offset_of(joint.centre))
+    face = meshed.faces[wall.segment.id]
+    if not is_on_face(wall, joint):
+        return [_rigid(joint, node, edge_nodes(meshed, wall, joint))]
+    rings = footprint(meshed.parts.topology, wall.sheet, beam.segment, joint)
+    outline = even_odd([ring_points(meshed.parts.topology, wall.sheet, ring) for ring in rings])
+    nodes, areas = _areas_within(face, outline)
+    if not len(nodes):
+        raise ConnectError(f"{joint.id}: the end of {beam.segment.id} covers no element of {wall.segment.id}")
+    return [Tie("beam_on_face", joint, np.array([node]), nodes, areas)]
+
+
+def _areas_within(face: FaceMesh, outline: shapely.Geometry) -> tuple[Indices, Array]:
+    """Nodes of the elements whose middle lies in the outline, and their shares of those elements' areas."""
+    areas: dict[int, float] = {}
+    order = np.argsort(face.nodes)
+    for elements in (face.quads, face.triangles):
+        if not len(elements):
+            continue
+        flat = face.flat[order[np.searchsorted(face.nodes[order], elements)]]
+        middle = flat.mean(axis=1)
+        for row in np.nonzero(shapely.contains_xy(outline, middle[:, 0], middle[:, 1]))[0]:
+            for node, share in zip(elements[row].tolist(), corner_areas(flat[row])):
+                areas[node] = areas.get(node, 0.0) + float(share)
+    ordered = dict(sorted(areas.items()))
+    return np.fromiter(ordered, np.int64, len(ordered)), np.fromiter(ordered.values(), np.float64, len(ordered))
+
+
+def beam_on_brick(meshed: Meshed, joint: Joint, beam: Beam, brick: str) -> list[Tie]:
+    """The end's node on the element faces it covers; where it lies along, each node on its share of the contact."""
+    faces = meshed.brick_faces(brick, joint)
+    if joint.kind == "end_on":
+        node = beam.node_at(beam.offset_of(joint.centre))
+        return [average(joint, node, faces, joint.patch, beam.segment.id)]
+    surface = meshed.surface(joint)
+    start, end = _extent(meshed.parts, joint, beam)
+    slack = 4 * meshed.parts.topology.tolerance
+    inside = np.nonzero((beam.offsets >= start - slack) & (beam.offsets <= end + slack))[0]
+    ties = []
+    for place in inside:
+        low = beam.offsets[place] if place == inside[0] else 0.5 * (beam.offsets[place - 1] + beam.offsets[place])
+        high = beam.offsets[place] if place == inside[-1] else 0.5 * (beam.offsets[place] + beam.offsets[place + 1])
+        part = _slice(surface, joint.patch, beam.direction, float(low), float(high))
+        if part.area > 0:
+            ties.append(average(joint, int(beam.nodes[place]), faces, part, beam.segment.id))
+    return ties
+
+
+def _slice(surface: Surface, patch: shapely.Geometry, direction: Array, low: float, high: float) -> shapely.Geometry:
+    """The part of a planar patch with low <= x . direction <= high."""
+    if isinstance(surface, CylinderSurface):
+        if abs(surface.axis.direction @ direction) < PARALLEL:
+            return patch
+        base = float(surface.axis.point @ direction)
+        sign = 1.0 if surface.axis.direction @ direction > 0 else -1.0
+        along = np.array([0.0, sign])
+    else:
+        assert isinstance(surface, Plane)
+        along = np.array([surface.u @ direction, surface.v @ direction])
+        base = float((surface.normal * surface.offset) @ direction)
+    across = np.array([-along[1], along[0]])
+    reach = 4 * max(map(abs, patch.bounds)) + 1
+    corners = [
+        along * (value - base) + across * side
+        for value, side in ((low, -reach), (high, -reach), (high, reach), (low, reach))
+    ]
+    return patch.intersection(shapely.Polygon(corners))

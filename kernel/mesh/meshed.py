@@ -1,0 +1,111 @@
+"""What has been meshed so far, as the ties ask for it: element faces on surfaces, nodes on edges, averages."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from kernel.connect.joints import Joint
+from kernel.errors import ConnectError
+from kernel.idealise.footprints import edge_carriers
+from kernel.idealise.members import Tie
+from kernel.idealise.parts import Parts
+from kernel.idealise.walls import Wall, patch_points
+from kernel.mesh.beams import SeatedNode
+from kernel.mesh.bricks import BrickMesh, outer_faces
+from kernel.mesh.faces import CurvesByFace, FaceMesh
+from kernel.mesh.patches import SurfaceFaces, faces_on, node_areas
+from kernel.solid.surfaces import CylinderSurface, Surface
+
+Array = NDArray[np.float64]
+Indices = NDArray[np.int64]
+
+ON_SURFACE = 1e-6
+"""Nodes nearer than this share of the model's size to a surface lie on it."""
+
+
+@dataclass(slots=True, eq=False)
+class Meshed:
+    """What has been meshed. points: of all nodes. seated: the beams' nodes that sit on wall nodes.
+
+    curves: of each wall, by its face. sheets: by face, the id of its mid-surface.
+    """
+
+    parts: Parts
+    curves: CurvesByFace
+    faces: dict[str, FaceMesh]
+    bricks: dict[str, BrickMesh]
+    seated: dict[str, list[SeatedNode]]
+    points: Array
+    sheets: dict[int, int] = field(init=False)
+    _outer: dict[str, list[Indices]] = field(default_factory=dict)
+    _on: dict[tuple[str, int], SurfaceFaces] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        self.sheets = {wall.index: wall.sheet.surface_id for wall in self.parts.walls.values()}
+
+    def surface(self, joint: Joint) -> Surface:
+        """The joint's surface."""
+        return self.parts.segments[joint.segments[0]].solid.surfaces.surfaces[joint.surface]
+
+    def wall_faces(self, wall: Wall) -> SurfaceFaces:
+        """A wall's elements, on its mid-surface."""
+        key = (wall.segment.id, -1)
+        if key not in self._on:
+            face = self.faces[wall.segment.id]
+            tolerance = ON_SURFACE * self.parts.topology.carriers.reach
+            self._on[key] = faces_on(wall.sheet.surface, (face.triangles, face.quads), self.points, tolerance)
+        return self._on[key]
+
+    def brick_faces(self, name: str, joint: Joint) -> SurfaceFaces:
+        """A brick's element faces on the joint's surface."""
+        key = (name, joint.surface)
+        if key not in self._on:
+            if name not in self._outer:
+                self._outer[name] = outer_faces(self.bricks[name].blocks)
+            size = self.parts.topology.carriers.reach
+            surface = self.surface(joint)
+            tolerance = ON_SURFACE * size
+            if isinstance(surface, CylinderSurface):
+                tolerance = max(tolerance, 5e-3 * surface.radius)
+            self._on[key] = faces_on(surface, self._outer[name], self.points, tolerance)
+            if not self._on[key].corners:
+                raise ConnectError(f"{name} has no element face on the surface of its joint {joint.id}")
+        return self._on[key]
+
+
+def edge_nodes(meshed: Meshed, wall: Wall, joint: Joint) -> list[int]:
+    """Nodes on the wall's outline that lie on the joint's surface, within its patch seen along the wall's normal."""
+    numbers = set(edge_carriers(meshed.parts, wall, joint))
+    points = patch_points(meshed.surface(joint), joint.patch)
+    found: set[int] = set()
+    slack = 8 * meshed.parts.topology.tolerance
+    for seeded in meshed.curves.get(wall.index, []):
+        if seeded.curve.carrier not in numbers:
+            continue
+        carrier = meshed.parts.topology.carrier(seeded.curve.carrier)
+        if carrier.period is not None:
+            found.update(seeded.nodes.tolist())
+            continue
+        reach = carrier.parameters(points)
+        values = carrier.parameters(meshed.points[seeded.nodes])
+        inside = (values >= reach.min() - slack) & (values <= reach.max() + slack)
+        found.update(seeded.nodes[inside].tolist())
+    if not found:
+        other = next(name for name in joint.segments if name != wall.segment.id)
+        raise ConnectError(
+            f"{joint.id}: {other} stands against an edge of {wall.segment.id} that is no part of its mid-surface's "
+            "outline"
+        )
+    return sorted(found)
+
+
+def average(joint: Joint, node: int, faces: SurfaceFaces, patch: shapely.Geometry, name: str) -> Tie:
+    """A node that follows the part of some element faces that a patch covers; name: of its segment, for errors."""
+    nodes, areas = node_areas(faces, patch)
+    if not len(nodes):
+        raise ConnectError(f"{joint.id}: {name} covers no element face of what it stands on")
+    return Tie("beam_on_face", joint, np.array([node]), nodes, areas)
