@@ -26,6 +26,9 @@ if TYPE_CHECKING:
 Progress = Callable[[str, float], None]
 Payload = dict[str, Any]
 
+HAS_GROUPS = os.name == "posix"
+"""Processes have groups here, by which a worker is stopped with its children; Windows has none."""
+
 PROGRESS_EVERY = 0.2
 """Seconds between two reports of one stage's progress: each is a write to the database."""
 
@@ -186,17 +189,18 @@ TASKS: dict[str, Callable[[Payload, Artifacts, Progress], Any]] = {
 
 
 def serve_tasks(connection: Connection, artifacts_folder: str) -> None:
-    """Body of a worker process: (task, payload) in; ("progress", stage, share)..., then ("done", result) or
-    ("failed", error) out. Ends where the service goes away.
+    """Body of a worker process: (number, task, payload) in; (number, "progress", stage, share)..., then
+    (number, "done", result) or (number, "failed", error) out. Ends where the service goes away.
     """
-    os.setsid()  # a group of its own, so that the children of a task can be stopped with it
+    if HAS_GROUPS:
+        os.setsid()  # a group of its own, so that the children of a task can be stopped with it
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     signal.signal(signal.SIGTERM, _stop)
     artifacts = Artifacts(Path(artifacts_folder))
     with contextlib.suppress(EOFError, BrokenPipeError, ConnectionResetError):
         while True:
-            task, payload = connection.recv()
-            connection.send(_run(task, payload, artifacts, _reporter(connection)))
+            number, task, payload = connection.recv()
+            connection.send((number, *_run(task, payload, artifacts, _reporter(connection, number))))
 
 
 def _run(task: str, payload: Payload, artifacts: Artifacts, progress: Progress) -> tuple[str, Any]:
@@ -214,7 +218,7 @@ def _run(task: str, payload: Payload, artifacts: Artifacts, progress: Progress) 
         return "failed", DefectError(f"{type(error).__name__}: {error}")
 
 
-def _reporter(connection: Connection) -> Progress:
+def _reporter(connection: Connection, number: int) -> Progress:
     last_stage, last_time = "", 0.0
 
     def report(stage: str, share: float) -> None:
@@ -224,7 +228,7 @@ def _reporter(connection: Connection) -> Progress:
             return
         last_stage, last_time = stage, moment
         start, end = STAGES.get(stage, STAGES["mesh"])
-        connection.send(("progress", stage, start + (end - start) * min(max(share, 0.0), 1.0)))
+        connection.send((number, "progress", stage, start + (end - start) * min(max(share, 0.0), 1.0)))
 
     return report
 

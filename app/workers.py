@@ -15,7 +15,7 @@ from multiprocessing.context import SpawnProcess
 from pathlib import Path
 from typing import Any
 
-from app.work import Payload, Progress, serve_tasks
+from app.work import HAS_GROUPS, Payload, Progress, serve_tasks
 from kernel.errors import DefectError, MeshError
 
 PATIENCE = 2.0
@@ -29,7 +29,8 @@ class WorkerDied(DefectError):
 class Worker:
     """One process that does one task at a time; made at the first task, made anew after a crash.
 
-    body: what the process runs, a function (connection, artifacts folder).
+    body: what the process runs, a function (connection, artifacts folder). A call leaves the process idle or stopped:
+    whatever else goes wrong in between, no answer is left over for the next call.
     """
 
     def __init__(self, artifacts_folder: Path, body: Callable[[Connection, str], None] = serve_tasks) -> None:
@@ -39,6 +40,7 @@ class Worker:
         self._change = threading.Lock()
         self._process: SpawnProcess | None = None
         self._connection: Connection | None = None
+        self._number = 0
         atexit.register(self.stop)
 
     def call(
@@ -59,25 +61,37 @@ class Worker:
             connection = self._started()
             if not may_start():
                 raise WorkerDied("the task was stopped before it started")
-            end = None if deadline is None else time.monotonic() + deadline
+            self._number += 1
             try:
-                connection.send((task, payload))
-                while True:
-                    if end is not None and not connection.poll(max(end - time.monotonic(), 0.0)):
-                        self.stop()
-                        raise MeshError(f"{task} took longer than {deadline:g} s and was stopped")
-                    message = connection.recv()
-                    if message[0] == "done":
-                        return message[1]
-                    if message[0] == "failed":
-                        raise message[1]
-                    if progress is not None:
-                        progress(message[1], message[2])
+                connection.send((self._number, task, payload))
+                kind, result = self._answer(connection, task, progress, deadline)
             except (EOFError, OSError) as error:
                 process = self._process
                 self.stop()
                 how = f" with status {process.exitcode}" if process is not None and process.exitcode is not None else ""
                 raise WorkerDied(f"the worker process died{how} at {task}") from error
+            except BaseException:
+                self.stop()
+                raise
+        if kind == "failed":
+            raise result
+        return result
+
+    def _answer(
+        self, connection: Connection, task: str, progress: Progress | None, deadline: float | None
+    ) -> tuple[str, Any]:
+        """("done", result) or ("failed", error) of the task that was sent last; MeshError where it takes too long."""
+        end = None if deadline is None else time.monotonic() + deadline
+        while True:
+            if end is not None and not connection.poll(max(end - time.monotonic(), 0.0)):
+                raise MeshError(f"{task} took longer than {deadline:g} s and was stopped")
+            number, kind, *content = connection.recv()
+            if number != self._number:
+                raise DefectError(f"the worker process answered task {number}, expected {self._number}, {task}")
+            if kind != "progress":
+                return kind, content[0]
+            if progress is not None:
+                progress(*content)
 
     def stop(self) -> None:
         """Stop the process and its children; a task that it was doing fails with WorkerDied."""
@@ -86,9 +100,9 @@ class Worker:
             self._process = self._connection = None
         if process is None or connection is None:
             return
-        _signal_group(process, signal.SIGTERM)
+        _end(process, at_once=False)
         process.join(PATIENCE)
-        _signal_group(process, signal.SIGKILL)
+        _end(process, at_once=True)
         process.join()
         with contextlib.suppress(OSError):
             connection.close()
@@ -106,11 +120,15 @@ class Worker:
             return self._connection
 
 
-def _signal_group(process: SpawnProcess, number: signal.Signals) -> None:
-    """Signal the worker's group, or the worker alone while it has not made its group yet."""
+def _end(process: SpawnProcess, *, at_once: bool) -> None:
+    """End the worker's group, or the worker alone while it has not made its group yet or where there are no groups."""
     pid = process.pid
     if pid is None:
         return
+    if not HAS_GROUPS:
+        process.kill() if at_once else process.terminate()
+        return
+    number = signal.SIGKILL if at_once else signal.SIGTERM
     with contextlib.suppress(ProcessLookupError, PermissionError):
         if os.getpgid(pid) == pid:
             os.killpg(pid, number)

@@ -7,7 +7,7 @@ import time
 import pytest
 
 from app.workers import Worker, WorkerDied
-from kernel.errors import MeshError, Place, ReadError
+from kernel.errors import DefectError, MeshError, Place, ReadError
 
 
 def body(connection, _folder):
@@ -15,21 +15,23 @@ def body(connection, _folder):
     os.setsid()
     while True:
         try:
-            task, payload = connection.recv()
+            number, task, payload = connection.recv()
         except EOFError:
             return
         if task == "echo":
-            connection.send(("progress", "half", 0.5))
-            connection.send(("done", payload))
+            connection.send((number, "progress", "half", 0.5))
+            connection.send((number, "done", payload))
         elif task == "refuse":
-            connection.send(("failed", ReadError("wrong", place=Place("a.csg", 3, 5))))
+            connection.send((number, "failed", ReadError("wrong", place=Place("a.csg", 3, 5))))
+        elif task == "stale":
+            connection.send((number - 1, "done", "of another call"))
         elif task == "crash":
             os._exit(139)
         elif task == "sleep":
             if os.fork() == 0:
                 time.sleep(60)
                 os._exit(0)
-            connection.send(("progress", "sleeping", 0.1))
+            connection.send((number, "progress", "sleeping", 0.1))
             time.sleep(60)
 
 
@@ -89,3 +91,35 @@ def test_a_stopped_task_ends_at_once_with_its_children(worker):
 def test_a_task_past_its_deadline_is_stopped_and_says_so(worker):
     with pytest.raises(MeshError, match=r"longer than 0\.5 s"):
         worker.call("sleep", {}, deadline=0.5)
+
+
+def test_a_report_that_fails_leaves_no_answer_for_the_next_task(worker):
+    def locked(_stage, _share):
+        raise ValueError("database is locked")
+
+    with pytest.raises(ValueError, match="locked"):
+        worker.call("echo", {"of": "first"}, progress=locked)
+    assert worker.call("echo", {"of": "second"}) == {"of": "second"}
+
+
+def test_an_answer_of_another_call_is_never_taken(worker):
+    with pytest.raises(DefectError, match="answered task"):
+        worker.call("stale", {})
+    assert worker.call("echo", {"c": 3}) == {"c": 3}
+
+
+def test_an_error_of_a_task_keeps_its_process(worker):
+    worker.call("echo", {})
+    process = worker._process
+    with pytest.raises(ReadError):
+        worker.call("refuse", {})
+    assert worker._process is process
+
+
+def test_a_worker_is_stopped_where_there_are_no_process_groups(tmp_path, monkeypatch):
+    monkeypatch.setattr("app.workers.HAS_GROUPS", False)
+    worker = Worker(tmp_path, body)
+    worker.call("echo", {})
+    process = worker._process
+    worker.stop()
+    assert not process.is_alive()
