@@ -109,7 +109,7 @@ class Jobs:
             result = worker.call(
                 "mesh",
                 json.loads(job.request),
-                progress=lambda stage, share: self._store.report_progress(job.id, stage, share),
+                progress=lambda stage, share: self._report(job.id, stage, share),
                 may_start=lambda: self._is_running(job.id),
             )
             mesh = self._store.add_mesh(
@@ -127,6 +127,13 @@ class Jobs:
             return
         if self._store.finish_job(job.id, outcome):
             logger.info("job ended", state=outcome.state)
+
+    def _report(self, job_id: str, stage: str, share: float) -> None:
+        """Note how far a job is; where the database does not answer, the job goes on and the next report is newer."""
+        try:
+            self._store.report_progress(job_id, stage, share)
+        except SQLAlchemyError as error:
+            log.warning("progress was not noted", job=job_id, stage=stage, error=str(error))
 
     def _is_running(self, job_id: str) -> bool:
         job = self._store.job(job_id)

@@ -20,7 +20,8 @@ from sqlalchemy.exc import SQLAlchemyError
 from sqlalchemy.orm import DeclarativeBase, Mapped, MappedAsDataclass, Session, mapped_column
 from sqlalchemy.pool import NullPool
 
-from kernel.errors import OptionError
+from app.failure import failure
+from kernel.errors import DefectError, OptionError
 
 FINISHED = ("done", "failed", "cancelled")
 
@@ -256,7 +257,7 @@ class Store:
 
         Gives the number of jobs that wait.
         """
-        problem = json.dumps({"class": "DefectError", "message": f"the process died {most_attempts} times at this job"})
+        problem = json.dumps(failure(DefectError(f"the process died {most_attempts} times at this job")))
         running = update(JobRow).where(JobRow.state == "running")
         with self._session() as session:
             tired = running.where(JobRow.attempts >= most_attempts)

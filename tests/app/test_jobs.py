@@ -4,9 +4,12 @@ import time
 
 import pytest
 from fastapi.testclient import TestClient
+from sqlalchemy.exc import OperationalError
 
 from app.api.server import create_app
+from app.jobs import MOST_ATTEMPTS
 from app.settings import load_settings
+from app.store import Store
 
 PLATE = "cube(size = [400, 300, 5], center = false);\n"
 TEXT = {"Content-Type": "text/plain"}
@@ -63,3 +66,29 @@ def test_a_job_that_cannot_be_done_says_why(settings):
         wait_until(lambda: state(client, job) == "failed")
         problem = client.get(job).json()["problem"]
         assert problem["status"] == 409 and "s1" in problem["detail"]
+
+
+def test_a_job_that_killed_the_service_too_often_says_so(settings):
+    store = Store(settings.database)
+    model = store.add_model(name="a.csg", ending="csg", text="0" * 64, language="padl", units="mm").id
+    job = store.add_job(model, "a", {}).id
+    for _ in range(MOST_ATTEMPTS):
+        store.claim_job()
+        store.requeue_unfinished(MOST_ATTEMPTS)
+    store.close()
+    with TestClient(create_app(settings)) as client:
+        answer = client.get(f"/v1/jobs/{job}")
+        assert answer.status_code == 200 and answer.json()["state"] == "failed"
+        problem = answer.json()["problem"]
+        assert problem["status"] == 500 and problem["detail"] == "defect: the process died 3 times at this job"
+
+
+def test_progress_that_cannot_be_noted_does_not_fail_the_job(settings, monkeypatch):
+    def locked(*_):
+        raise OperationalError("UPDATE jobs", {}, Exception("database is locked"))
+
+    monkeypatch.setattr(Store, "report_progress", locked)
+    with TestClient(create_app(settings)) as client:
+        job = submit(client, 50)
+        wait_until(lambda: state(client, job) in ("done", "failed"))
+        assert state(client, job) == "done"
