@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from kernel.plan import Override
 
 USAGE_STATUS = 2
-PIPE_STATUS = 128 + signal.SIGPIPE
+PIPE_STATUS = 128 + getattr(signal, "SIGPIPE", 13)  # Windows has no such signal
 ALL_NODES = "*"
 """What `--explain` means without a node."""
 

@@ -232,3 +232,11 @@ def test_a_service_that_cannot_start_says_why(capsys, tmp_path, options, complai
     assert run(["serve", "--data", str(tmp_path), *options]) == 2
     err = capsys.readouterr().err
     assert complaint in err and err.count("\n") == 1 and "Traceback" not in err
+
+
+def test_the_program_loads_where_there_are_no_signals_of_unix():
+    script = (
+        "import signal; del signal.SIGPIPE, signal.SIGKILL; import app.cli, app.workers; app.cli.run(['--version'])"
+    )
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True)
+    assert (done.returncode, done.stdout[:8]) == (0, "csgmesh "), done.stderr
