@@ -14,15 +14,18 @@ import numpy as np
 import shapely
 
 from kernel.facts import Facts, Value
+from kernel.segment.fits import diameter_of, fit
+from kernel.segment.holes import round_holes
 from kernel.segment.operands import leaf_count, operand_at, operands_of, tools_of
 from kernel.segment.slices import outline_points, smallest_rectangle
-from kernel.segment.supports import free_length
+from kernel.segment.supports import contacts_along, free_length
 from kernel.solid.surfaces import plane_frame
 
 if TYPE_CHECKING:
     from kernel.csg.tree import CsgNode
     from kernel.segment.pieces import Piece
     from kernel.segment.prism import Prism
+    from kernel.solid.solid import Solid
 
 FACT_DIGITS = 6
 """Significant digits of a measured fact: what six-digit input can tell apart."""
@@ -51,22 +54,26 @@ def _intent(piece: Piece) -> Facts:
         max(len(children), 1),
         len(tools),
         leaf_count(operand),
-    )
+    ) | _diameter(operand.node)
     related = {
-        "tools": tuple(_of_node(tool, piece.depth + 1) for tool in tools),
-        "children": tuple(_of_node(child.node, piece.depth + 1) for child in children),
+        "tools": tuple(_of_node(tool, piece.depth + 1, fit(tool, operand.node)) for tool in tools),
+        "children": tuple(_of_node(child.node, piece.depth + 1, {}) for child in children),
     }
     return Facts(values, "intent", related)
 
 
-def _of_node(node: CsgNode, depth: int) -> Facts:
-    """Facts of a tool or a child, from the tree alone."""
+def _of_node(node: CsgNode, depth: int, more: Mapping[str, Value]) -> Facts:
+    """Facts of a tool or a child, from the tree alone; more: what is known of it besides."""
     operand = operand_at("/", node)
     count = max(len(operands_of(operand)), 1)
     tools = sum(1 for _ in tools_of(operand))
-    return Facts(
-        _of_tree(node.kind, "operand", node.name is not None, depth, count, tools, leaf_count(operand)), "intent"
-    )
+    values = _of_tree(node.kind, "operand", node.name is not None, depth, count, tools, leaf_count(operand))
+    return Facts({**values, **_diameter(node), **more}, "intent")
+
+
+def _diameter(node: CsgNode) -> dict[str, Value]:
+    diameter = diameter_of(node)
+    return {} if diameter is None else {"diameter": round_fact(diameter)}
 
 
 def _of_tree(
@@ -89,6 +96,7 @@ def extents(piece: Piece) -> dict[str, Value]:
     long, middle, short = own_box(piece)
     return _rounded(
         {
+            **_holes(solid),
             "volume": solid.true_volume,
             "component_count": len(piece.components),
             "extent_long": long,
@@ -97,6 +105,17 @@ def extents(piece: Piece) -> dict[str, Value]:
             "fill": min(solid.volume / (long * middle * short), 1.0),
         }
     )
+
+
+def _holes(solid: Solid) -> dict[str, Value]:
+    holes = round_holes(solid)
+    values: dict[str, Value] = {
+        "round_hole_count": len(holes),
+        "through_hole_count": sum(hole.is_through for hole in holes),
+    }
+    if holes:
+        values |= {"smallest_hole": holes[0].diameter, "largest_hole": holes[-1].diameter}
+    return values
 
 
 def own_box(piece: Piece) -> tuple[float, float, float]:
@@ -123,7 +142,7 @@ def prism(piece: Piece) -> dict[str, Value]:
         {
             "is_prismatic": measured.sweep.is_exact,
             "prism_length": measured.sweep.length,
-            "free_length": _free_length(piece, measured),
+            **_contacts(piece, measured),
             "section_long": measured.long_side,
             "section_short": measured.short_side,
             "section_area": measured.area,
@@ -186,11 +205,12 @@ def measure(piece: Piece, tier: str) -> dict[str, Value]:
     values = like.measured[tier]
     if like is piece or tier != "prism" or piece.prism is None:
         return values
-    return {**values, **_rounded({"free_length": _free_length(piece, piece.prism)})}
+    return {**values, **_rounded(_contacts(piece, piece.prism))}
 
 
-def _free_length(piece: Piece, measured: Prism) -> float:
-    return free_length(piece.solid, measured, tuple(other.solid for other in piece.neighbours))
+def _contacts(piece: Piece, measured: Prism) -> dict[str, Value]:
+    contacts = contacts_along(piece.solid, measured, tuple(other.solid for other in piece.neighbours))
+    return {"free_length": free_length(piece.solid, measured, contacts), "contact_count": len(contacts)}
 
 
 def _rounded(values: Mapping[str, Value]) -> dict[str, Value]:

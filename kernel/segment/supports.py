@@ -41,13 +41,17 @@ class Contact:
     fill: float
 
 
-def free_length(solid: Solid, prism: Prism, neighbours: tuple[Solid, ...]) -> float:
+def contacts_along(solid: Solid, prism: Prism, neighbours: tuple[Solid, ...]) -> list[Contact]:
+    """Where the neighbours meet the box that stands along the prism."""
+    return find_contacts(solid, np.stack([prism.u, prism.v, prism.sweep.direction], axis=1), neighbours)
+
+
+def free_length(solid: Solid, prism: Prism, contacts: list[Contact]) -> float:
     """Longest length along the prism between supports."""
     sweep = prism.sweep
     slack = 10.0 * solid.surfaces.tolerance
-    axes = np.stack([prism.u, prism.v, sweep.direction], axis=1)
     supports: list[tuple[float, float]] = []
-    for contact in find_contacts(solid, axes, neighbours):
+    for contact in contacts:
         length = contact.end - contact.start
         is_at_end = contact.start < sweep.start + slack or contact.end > sweep.end - slack
         is_attachment = length < SUPPORT_DEPTH * prism.long_side - slack and not is_at_end

@@ -1,0 +1,141 @@
+"""Facts against what a drawing says: how tools stand to their head, round holes, contacts."""
+
+from __future__ import annotations
+
+import pytest
+
+from kernel import describe
+from kernel.csg.reader import read_model
+from kernel.plan import Conclusion, Need
+from kernel.segment.operands import operand_at
+from kernel.segment.partition import partition
+from kernel.segment.pieces import Piece
+from kernel.solid.evaluate import evaluate
+
+
+def piece_of(body: str) -> Piece:
+    evaluated = evaluate(read_model(body, "model.csg"))
+    root = evaluated.model.root
+    return Piece(evaluated.solid, "/", "/", "root", operand=operand_at("/", root))
+
+
+def tool_of(head: str, tool: str) -> dict:
+    (facts,) = describe.intent(piece_of(f"difference() {{ {head} {tool} }}")).related["tools"]
+    names = ("is_through", "is_coaxial", "is_concentric", "diameter")
+    return {name: facts[name] for name in names if name in facts}
+
+
+def holes_of(body: str) -> dict:
+    facts = describe.extents(piece_of(body))
+    names = ("round_hole_count", "through_hole_count", "smallest_hole", "largest_hole")
+    return {name: facts[name] for name in names if name in facts}
+
+
+def at(x: float, y: float, z: float, body: str) -> str:
+    return f"multmatrix([[1, 0, 0, {x}], [0, 1, 0, {y}], [0, 0, 1, {z}], [0, 0, 0, 1]]) {{ {body} }}"
+
+
+def lying(x: float, y: float, z: float, body: str) -> str:
+    """The body's z axis turned into x."""
+    return f"multmatrix([[0, 0, 1, {x}], [0, 1, 0, {y}], [-1, 0, 0, {z}], [0, 0, 0, 1]]) {{ {body} }}"
+
+
+def rod(radius: float, height: float) -> str:
+    return f"cylinder($fn = 0, h = {height}, r1 = {radius}, r2 = {radius}, center = false);"
+
+
+def box(x: float, y: float, z: float) -> str:
+    return f"cube(size = [{x}, {y}, {z}], center = false);"
+
+
+PLATE = box(200, 100, 8)
+
+
+@pytest.mark.parametrize(
+    ("head", "tool", "expected"),
+    [
+        (PLATE, at(50, 50, -1, rod(6, 10)), (True, False, False, 12)),
+        (PLATE, at(100, 50, -1, rod(6, 10)), (True, False, True, 12)),
+        (PLATE, at(50, 50, 0, rod(6, 8)), (True, False, False, 12)),  # flush at both ends
+        (PLATE, at(50, 50, 2, rod(6, 10)), (False, False, False, 12)),  # blind
+        (PLATE, at(50, 500, -1, rod(6, 10)), (False, False, False, 12)),  # beside it
+        (PLATE, lying(-1, 50, 4, rod(2, 202)), (True, False, True, 4)),  # along the plate
+        (rod(60, 300), at(0, 0, -1, rod(56, 302)), (True, True, True, 112)),
+        (rod(60, 300), at(0, 0, 10, rod(56, 302)), (False, True, True, 112)),  # a cup
+        (rod(60, 300), at(1, 0, -1, rod(56, 302)), (True, False, False, 112)),
+        (rod(60, 300), lying(-70, 0, -150, rod(20, 140)), (False, False, False, 40)),  # below the pipe
+        (rod(60, 300), lying(-70, 0, 150, rod(20, 140)), (True, False, True, 40)),  # across the pipe
+        (rod(60, 300), lying(0, 0, 150, rod(20, 140)), (False, False, True, 40)),  # through one side only
+        ("sphere($fn = 0, r = 50);", at(0, 0, -60, rod(5, 120)), (True, True, True, 10)),
+        ("sphere($fn = 0, r = 50);", "sphere($fn = 0, r = 40);", (None, True, True, 80)),
+        (box(40, 40, 40), at(5, 5, 5, box(30, 30, 30)), (False, False, True, None)),  # closed, hollow
+        (box(40, 40, 40), at(5, 5, -5, box(30, 30, 60)), (True, False, True, None)),  # a box tube
+        (box(40, 40, 40), at(6, 5, -5, box(30, 30, 60)), (True, False, False, None)),
+        (box(40, 40, 40), at(10, 10, 20, "sphere($fn = 0, r = 5);"), (None, False, False, 10)),
+    ],
+)
+def test_a_tool_is_described_by_how_it_stands_to_what_it_is_taken_from(head, tool, expected):
+    names = ("is_through", "is_coaxial", "is_concentric", "diameter")
+    assert tool_of(head, tool) == {name: value for name, value in zip(names, expected) if value is not None}
+
+
+def test_the_head_below_a_difference_is_meant_and_what_no_primitive_says_is_left_out():
+    drilled = f"difference() {{ {rod(60, 300)} {at(0, 0, 100, box(9, 9, 9))} }}"
+    first, second = describe.intent(piece_of(f"difference() {{ {drilled} {at(0, 0, -1, rod(5, 302))} }}")).related[
+        "tools"
+    ]
+    assert first["is_coaxial"] is True and first["is_through"] is True
+    assert second["is_coaxial"] is False and second["is_through"] is False
+    joined = f"union() {{ {rod(5, 20)} {at(2, 0, 0, rod(5, 20))} }}"
+    assert tool_of(PLATE, joined) == {}
+
+
+@pytest.mark.parametrize(
+    ("body", "expected"),
+    [
+        (PLATE, (0, 0)),
+        (rod(10, 40), (0, 0)),
+        (f"difference() {{ {PLATE} {at(50, 50, -1, rod(6, 10))} {at(90, 50, -1, rod(4, 10))} }}", (2, 2, 8, 12)),
+        (f"difference() {{ {PLATE} {at(50, 50, 2, rod(6, 10))} }}", (1, 0, 12, 12)),
+        (f"difference() {{ {PLATE} {at(50, 0, -1, rod(6, 10))} }}", (0, 0)),  # half a hole at the edge
+        (f"difference() {{ {rod(60, 300)} {at(0, 0, -1, rod(56, 302))} }}", (1, 1, 112, 112)),
+        (f"difference() {{ {box(40, 40, 40)} {at(20, 20, 5, rod(10, 30))} }}", (0, 0)),  # a closed void
+        (  # a counterbore: the narrow part is through, the wide one ends on a step
+            f"difference() {{ {box(40, 40, 40)} {at(20, 20, -1, rod(5, 60))} {at(20, 20, 30, rod(9, 20))} }}",
+            (2, 1, 10, 18),
+        ),
+        (  # one drill through both walls of a box tube
+            f"difference() {{ {box(40, 40, 90)} {at(3, 3, -1, box(34, 34, 92))} {lying(-1, 20, 45, rod(5, 42))} }}",
+            (2, 2, 10, 10),
+        ),
+    ],
+)  # fmt: skip
+def test_round_holes_are_counted_with_their_diameters_and_whether_they_are_through(body, expected):
+    names = ("round_hole_count", "through_hole_count", "smallest_hole", "largest_hole")
+    assert holes_of(body) == dict(zip(names, expected))
+
+
+def test_round_holes_are_the_same_however_the_solid_was_written():
+    one = f"difference() {{ {PLATE} {at(50, 50, -1, rod(6, 10))} }}"
+    halves = f"union() {{ {box(100, 100, 8)} {at(100, 0, 0, box(100, 100, 8))} }}"
+    other = f"intersection() {{ {box(300, 300, 8)} difference() {{ {halves} {at(50, 50, -9, rod(6, 50))} }} }}"
+    assert holes_of(one) == holes_of(other) == holes_of(lying(7, 8, 9, one))
+
+
+def test_contacts_of_a_member_are_counted_where_neighbours_reach_it():
+    """A beam on three posts, and a fourth that ends below it."""
+    posts = "".join(at(x, 0, -500, box(40, 40, 500)) for x in (0, 400, 960)) + at(700, 0, -500, box(40, 40, 499))
+    evaluated = evaluate(read_model(f"union() {{ {box(1000, 40, 40)} {posts} }}", "model.csg"))
+    counted = {}
+
+    def decide(facts):
+        if facts["role"] == "root":
+            return Conclusion("split", "r", 1.0, "")
+        if "contact_count" not in facts:
+            return Need("prism")
+        if facts["role"] == "operand":
+            counted.setdefault(facts["prism_length"], facts["contact_count"])
+        return Conclusion("brick", "r", 1.0, "")
+
+    partition(evaluated, decide)
+    assert counted == {1000.0: 3, 500.0: 1, 499.0: 0}
