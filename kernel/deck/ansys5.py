@@ -87,7 +87,10 @@ def _number(value: float) -> str:
 
 
 def _real_constants(element: Property, number: int, principal: tuple[SectionProperties, float] | None) -> Iterator[str]:
-    """SHELL63: TK. BEAM4: AREA, IZZ, IYY, TKZ, TKY, THETA; ISTRN, IXX, SHEARZ, SHEARY."""
+    """SHELL63: TK. BEAM4: AREA, IZZ, IYY, TKZ, TKY, THETA; ISTRN, IXX, SHEARZ, SHEARY.
+
+    SHEARZ goes with IZZ, so with shear along the element's y, SHEARY with IYY (ANSYS Elements Reference, BEAM4).
+    """
     if element.kind == "shell":
         assert element.thickness is not None
         yield f"R,{number},{_number(element.thickness)}"
@@ -95,7 +98,7 @@ def _real_constants(element: Property, number: int, principal: tuple[SectionProp
         section, _ = principal
         low_y, low_z, high_y, high_z = section.outline.bounds
         first = (section.area, section.izz, section.iyy, high_z - low_z, high_y - low_y, 0.0)
-        second = (0.0, section.j, section.area / section.shear_area_z, section.area / section.shear_area_y)
+        second = (0.0, section.j, section.area / section.shear_area_y, section.area / section.shear_area_z)
         yield f"R,{number},{','.join(map(_number, first))}"
         yield f"RMORE,{','.join(map(_number, second))}"
 

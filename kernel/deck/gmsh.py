@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kernel.deck.deck import DeckFormat, register
-from kernel.deck.header import header_lines
+from kernel.deck.header import header_lines, printable
 from kernel.deck.numbers import free_field
 from kernel.mesh.elements import ELEMENT_KINDS
 
@@ -41,7 +41,7 @@ def write(model: Model) -> bytes:
     """The mesh with its groups."""
     lines = ["$MeshFormat", "4.1 0 8", "$EndMeshFormat", "$Comments", *header_lines(model, "Gmsh MSH 4.1")]
     lines += ["$EndComments", *_sections(model)]
-    return ("\n".join(lines) + "\n").encode("ascii")
+    return ("\n".join(lines) + "\n").encode()
 
 
 def _sections(model: Model) -> Iterator[str]:
@@ -69,7 +69,7 @@ def _groups(model: Model, entity: dict[str, int], dimension: dict[str, int]) -> 
     for named in model.sets:
         inside = np.bincount(owner[named.elements], minlength=len(size))
         held = np.flatnonzero((inside == size) & (size > 0)).tolist()
-        name = named.name.replace('"', "'")
+        name = printable(named.name).replace('"', "'")
         by_dimension: dict[int, list[int]] = {}
         for number in held:
             by_dimension.setdefault(dimension[segment_of[number]], []).append(number)

@@ -28,7 +28,12 @@ def header_lines(model: Model, format_title: str) -> list[str]:
 
 def ascii_text(text: str) -> str:
     """One line of printable ASCII; other characters become `?`."""
-    return "".join(c if c.isprintable() else " " for c in text.encode("ascii", "replace").decode("ascii"))
+    return printable(text.encode("ascii", "replace").decode("ascii"))
+
+
+def printable(text: str) -> str:
+    """One line: characters that cannot be printed become spaces."""
+    return "".join(c if c.isprintable() else " " for c in text)
 
 
 def set_name(name: str, limit: int) -> str:

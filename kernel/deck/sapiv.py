@@ -141,10 +141,14 @@ class _Deck:
             return
         beams = [element for element in self.model.properties if element.kind == "beam"]
         count = sum(len(block.connectivity) * len(_LINE_PARTS[block.kind]) for block in self.lines) + len(self.spokes)
-        yield _ints([2, count, len(beams) + bool(self.spokes), 0, len(self.materials)], 5)
+        n_stiff = 1 if self.spokes else 0
+        yield _ints([2, count, len(beams) + n_stiff, 0, len(self.materials) + n_stiff], 5)
         for number, key in enumerate(self.materials, start=1):
             material = self.model.materials[key[0]]
             yield f"{number:5d}{_reals([*_elastic(material), *_densities(material, key[1], self.model)])}"
+        if self.spokes:  # couplings have no weight
+            stiff = self.model.materials[self.materials[0][0]]
+            yield f"{len(self.materials) + 1:5d}{_reals([*_elastic(stiff), 0.0, 0.0])}"
         for number, element in enumerate(beams, start=1):
             section = self.principal[element.segment][0]
             values = [section.area, section.shear_area_y, section.shear_area_z, section.j, section.iyy, section.izz]
@@ -167,7 +171,7 @@ class _Deck:
                     yield _beam(number, row[a], row[b], third, material, sections[block.segment])
                     number += 1
         for (centre, other), third in zip(self.spokes, self._spoke_nodes):
-            yield _beam(number, centre + 1, other + 1, third, 1, len(beams) + 1)
+            yield _beam(number, centre + 1, other + 1, third, len(self.materials) + 1, len(beams) + 1)
             number += 1
 
     def bricks(self) -> Iterator[str]:

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from kernel.connect.model import Mpc, Rbe2
 from kernel.deck.deck import DeckFormat, register
-from kernel.deck.header import header_lines
+from kernel.deck.header import header_lines, printable
 
 if TYPE_CHECKING:
     from kernel.connect.model import Model
@@ -46,7 +46,7 @@ def write(model: Model) -> bytes:
     thickness = np.array([element.thickness or 0.0 for element in model.properties])
     area = np.array([element.section.area if element.section else 0.0 for element in model.properties])
     property_kind = np.array([_KIND_NUMBER[element.kind] for element in model.properties])
-    names = "\n".join(f"{element.segment} {element.kind} {element.material}" for element in model.properties)
+    names = "\n".join(f"{element.segment} {element.kind} {printable(element.material)}" for element in model.properties)
     lines = [
         '<?xml version="1.0"?>',
         "<!--",
@@ -77,7 +77,7 @@ def write(model: Model) -> bytes:
         "</VTKFile>",
     ]
     lines.insert(3, f"properties: {escape(names)}".replace("--", "- -"))
-    return ("\n".join(lines) + "\n").encode("ascii")
+    return ("\n".join(lines) + "\n").encode()
 
 
 def _coupled(model: Model) -> NDArray[np.int64]:

@@ -120,6 +120,15 @@ def test_ansys_5_takes_a_beams_principal_axes():
     assert toward_z == pytest.approx([0, -100 * math.sin(math.radians(30)), 100 * math.cos(math.radians(30))])
 
 
+def test_ansys_5_pairs_shear_along_y_with_bending_about_z():
+    model = cantilever(i_outline(), 100.0, 1)
+    section = model.properties[0].section
+    (more,) = commands(ansys5.write(model), "RMORE")
+    along_y, along_z = section.area / section.shear_area_y, section.area / section.shear_area_z
+    assert abs(along_y / along_z - 1) > 0.1
+    assert [float(x) for x in more[3:5]] == pytest.approx([along_y, along_z], rel=1e-9)
+
+
 def test_ansys_5_breaks_twenty_nodes_over_three_commands():
     text = ansys5.write(solid_cantilever("hex20", divisions=(1, 1, 1)))
     assert len(commands(text, "EN")) == 1

@@ -83,7 +83,9 @@ def test_sap_cards_stand_in_their_columns():
     assert [int(card[1]) for card in nodes] == list(range(1, n_node + 1))
     assert float(nodes[10][8]) == pytest.approx(model.mesh.nodes[10, 0])
     beams = [int(value) for value in fields(lines[2 + n_node], [5] * 5)]
-    assert beams == [2, 5 + 9, 2, 0, 1]  # five bars, nine stiff spokes
+    assert beams == [2, 5 + 9, 2, 0, 2]  # five bars, nine stiff spokes of a material of their own
+    stiff = fields(lines[2 + n_node + 2], [5, *[10] * 4])
+    assert [float(value) for value in stiff[3:]] == [0, 0]  # that has no weight
 
 
 def test_sap_nodes_of_solids_have_their_rotations_fixed_but_where_a_spoke_ends():

@@ -8,11 +8,12 @@ import gmsh
 import meshio
 import numpy as np
 import pytest
-from handmade import cantilever, i_outline, shell_cantilever, solid_cantilever, whole_set
+from handmade import STEEL, cantilever, i_outline, shell_cantilever, solid_cantilever, whole_set
+from shapely import box
 
 from kernel.connect.mass import block_moments
-from kernel.connect.model import Rbe3
-from kernel.deck.deck import format_for
+from kernel.connect.model import NamedSet, Rbe3
+from kernel.deck.deck import format_for, formats
 
 SOLIDS = ["hex8", "hex20", "wedge6", "wedge15", "tet4", "tet10"]
 SHELLS = ["tri3", "tri6", "quad4", "quad8"]
@@ -108,3 +109,26 @@ def test_a_title_beyond_ascii_does_not_break_a_header():
     model = replace(model_with("quad4"), title="Träger -- über\nzwei Zeilen")
     for name in ("nastran", "gmsh", "vtu"):
         assert format_for("", name).write(model).decode("ascii")
+
+
+HOSTILE = 'Tr\u00e4ger "A"\nB -- <c> & \u5b57'
+
+
+@pytest.mark.parametrize("name", [f.name for f in formats()])
+def test_a_name_of_any_letters_is_written_by_every_format(name, tmp_path):
+    model = cantilever(box(0, 0, 10, 20), 100.0, 4)
+    steel = replace(STEEL, name=HOSTILE, source=HOSTILE)
+    named = NamedSet(HOSTILE, np.arange(2), np.arange(1))
+    model = replace(
+        model,
+        title=HOSTILE,
+        properties=(replace(model.properties[0], material=HOSTILE),),
+        materials={HOSTILE: steel},
+        sets=(named,),
+    )
+    text = format_for("", name).write(model)
+    assert text
+    if name in ("gmsh", "vtu"):
+        path = tmp_path / f"model.{'msh' if name == 'gmsh' else 'vtu'}"
+        path.write_bytes(text)
+        assert len(meshio.read(path).points) == 5

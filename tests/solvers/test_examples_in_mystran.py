@@ -21,8 +21,8 @@ pytestmark = pytest.mark.solver
 
 
 @cache
-def meshed(name: str) -> Meshed:
-    return mesh(classify(read(str(EXAMPLES / f"{name}.csg"))))
+def meshed(file: str) -> Meshed:
+    return mesh(classify(read(str(EXAMPLES / file))))
 
 
 def dependent_nodes(model) -> set[int]:
@@ -47,9 +47,10 @@ def solve_under_weight(model, held, folder):
     return solved
 
 
+@pytest.mark.parametrize("language", ["csg", "padl.csg"])
 @pytest.mark.parametrize("name", ["plate_with_holes", "i_beam", "pipe", "pipe_with_holes", "bracket", "table"])
-def test_mystran_carries_the_weight_of_the_example(name, tmp_path):
-    result = meshed(name)
+def test_mystran_carries_the_weight_of_the_example(name, language, tmp_path):
+    result = meshed(f"{name}.{language}")
     model = result.model
     assert result.checks.passed, result.checks.failures
     solved = solve_under_weight(model, lowest_nodes(model, HELD.get(name, 0)), tmp_path)
@@ -61,7 +62,7 @@ def test_mystran_carries_the_weight_of_the_example(name, tmp_path):
 
 @pytest.mark.parametrize("coupling", ["distributing", "rigid", "work"])
 def test_the_table_stands_on_any_coupling(coupling, tmp_path):
-    classified = meshed("table").classified
+    classified = meshed("table.csg").classified
     result = mesh(classified, MeshOptions(), coupling=coupling)
     assert result.checks.passed, result.checks.failures
     solved = solve_under_weight(result.model, lowest_nodes(result.model, 2), tmp_path)
@@ -70,7 +71,7 @@ def test_the_table_stands_on_any_coupling(coupling, tmp_path):
 
 def test_the_table_of_bricks_runs_too(tmp_path):
     csg = read(str(EXAMPLES / "table.csg"))
-    bricks = {segment.node: Override("brick") for segment in meshed("table").classified.partition.segments}
+    bricks = {segment.node: Override("brick") for segment in meshed("table.csg").classified.partition.segments}
     result = mesh(classify(csg, overrides=bricks), MeshOptions(size=60.0))
     assert result.checks.passed, result.checks.failures
     solved = solve_under_weight(result.model, lowest_nodes(result.model, 2), tmp_path)
