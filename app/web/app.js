@@ -65,6 +65,7 @@ async function openModel(name, text) {
 async function showModel(kept) {
   endJob();
   Object.assign(state, { model: kept, segments: null, decisions: [], overrides: [], node: null, mesh: null, view: "segments" });
+  byId("viewer-hint").hidden = true;
   byId("model-name").textContent = `${kept.name} (${kept.units})`;
   byId("mesh-result").hidden = true;
   byId("job-text").textContent = "";
@@ -214,7 +215,8 @@ async function startMesh() {
   const size = text === "" ? null : Number(text);
   if (Number.isNaN(size)) throw new Error(`the element size is '${text}', expected a number`);
   const job = await askJson("POST", `/v1/models/${state.model.id}/meshes`, {
-    size, order: Number(byId("mesh-order").value), faces: byId("mesh-faces").value, coupling: byId("mesh-coupling").value,
+    size, order: Number(byId("mesh-order").value), faces: byId("mesh-faces").value, volumes: byId("mesh-volumes").value, coupling: byId("mesh-coupling").value,
+    units: byId("mesh-units").value || null, material: byId("mesh-material").value.trim() || null,
   });
   forgetMesh();
   const events = new EventSource(`/v1/jobs/${job.id}/events`);

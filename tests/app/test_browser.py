@@ -73,6 +73,25 @@ def test_an_example_shows_its_tree_its_segments_and_itself(page):
     page.wait(f"{DRAWN_PIXELS} > 10000")
 
 
+def test_the_empty_viewer_says_what_to_do_until_a_model_is_open(page):
+    hint = by("viewer-hint")
+    assert "choose an example" in page.run(f"{hint}.innerText") and not page.run(f"{hint}.hidden")
+    open_example(page, "Table", 5)
+    assert page.run(f"{hint}.hidden")
+
+
+def test_order_units_and_material_go_into_the_mesh(page, url):
+    open_example(page, "Table", 5)
+    page.run(f"{by('mesh-size')}.value = '100'")
+    choose(page, by("mesh-order"), "2")
+    choose(page, by("mesh-units"), "m")
+    page.run(f"{by('mesh-material')}.value = 'aluminium'")
+    page.run(f"{by('mesh-button')}.click()")
+    page.wait(f"!{by('mesh-button')}.disabled && {by('quality-summary')}.innerText.includes('quad8')")
+    deck = urllib.request.urlopen(page.run(f"{by('download-deck')}.href")).read().decode()
+    assert "m-kg-s-N" in deck and "aluminium" in deck.lower()
+
+
 def test_a_segment_says_why_it_is_what_it_is(page):
     open_example(page, "Table", 5)
     page.run("document.querySelectorAll('[data-testid=segment-row]')[1].click()")

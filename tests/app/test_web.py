@@ -10,7 +10,8 @@ import app
 WEB = Path(app.__file__).parent / "web"
 HANDLES = (
     "open-model", "example-select", "viewer", "csg-tree", "segment-row", "segment-type", "explanation", "mesh-size",
-    "mesh-button", "job-progress", "quality-summary", "download-deck", "deck-format",
+    "mesh-button", "job-progress", "quality-summary", "download-deck", "deck-format", "mesh-order", "mesh-volumes", "mesh-units",
+    "mesh-material", "viewer-hint",
 )  # fmt: skip
 EXAMPLES = re.findall(r'"([^"]+)": \["([^"]+)", `([^`]+)`\]', (WEB / "examples.js").read_text())
 TYPES = {
