@@ -37,17 +37,41 @@ def component_segments(model: Model) -> tuple[tuple[str, ...], ...]:
 
 
 def coincident_nodes(model: Model, tolerance: float) -> int:
-    """Pairs of nodes nearer than the tolerance that no coupling ties to one another."""
+    """Pairs of nodes nearer than the tolerance that no coupling ties to one another.
+
+    A node tied to an element is tied to all of that element's nodes, be they in the coupling (its corners) or not.
+    """
     nodes = model.mesh.nodes
     if tolerance <= 0 or len(nodes) < 2:
         return 0
     pairs = near_pairs(nodes, tolerance)
     close = {node for pair in pairs for node in pair}
     couplings: dict[int, set[int]] = {node: set() for node in close}
+    heads: dict[int, int] = {}  # RBE2 of one independent node are one body: they count as its first
     for index, coupling in enumerate(model.couplings):
+        key = heads.setdefault(coupling.independent, index) if isinstance(coupling, Rbe2) else index
         for node in close.intersection(map(int, coupling_nodes(coupling))):
-            couplings[node].add(index)
-    return sum(not couplings[a] & couplings[b] for a, b in pairs)
+            couplings[node].add(key)
+    untied = [(a, b) for a, b in pairs if not couplings[a] & couplings[b]]
+    if not untied:
+        return 0
+    around = _neighbours(model.mesh, {node for pair in untied for node in pair})
+    reached = {
+        node: {int(n) for index in couplings[node] for n in coupling_nodes(model.couplings[index])} for node in around
+    }
+    return sum(not (reached[a] & around[b] or reached[b] & around[a]) for a, b in untied)
+
+
+def _neighbours(mesh: Mesh, nodes: set[int]) -> dict[int, set[int]]:
+    """For each of the nodes, all nodes of its elements."""
+    around: dict[int, set[int]] = {node: set() for node in nodes}
+    wanted = np.zeros(mesh.n_node, dtype=bool)
+    wanted[list(nodes)] = True
+    for block in mesh.blocks:
+        for row in block.connectivity[wanted[block.connectivity].any(axis=1)].tolist():
+            for node in nodes.intersection(row):
+                around[node].update(row)
+    return around
 
 
 def near_pairs(points: NDArray[np.float64], tolerance: float) -> list[tuple[int, int]]:

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from kernel.connect.arrange import Arrangement, Average, Body, Interpolation, Pair, joint_of
 from kernel.connect.equations import Expression, Freedom, average_matrices, equation, rigid_row, rows
 from kernel.connect.model import Coupling, Mpc, Rbe2, Rbe3
-from kernel.connect.work import beam_frames, warping_of, work_matrix
+from kernel.connect.work import BeamFrame, beam_frames, warping_of, work_matrix
 from kernel.errors import ConnectError, OptionError
 from kernel.idealise.members import Tie
 from kernel.idealise.section import SectionProperties
@@ -66,13 +66,20 @@ def make_couplings(
     arrangement = Arrangement(ties, nodes, has_rotations, is_rigid=lambda tie: kind_of(tie) == "rigid")
     rigid = [coupling for body in arrangement.bodies if body.anchor is None for coupling in _rigid(body, has_rotations)]
     on_average = [(body, body.anchor) for body in arrangement.bodies if isinstance(body.anchor, Average)]
-    by_work = [body for body, average in on_average if kind_of(average.tie) == "work"]
+    frames = beam_frames(mesh, nodes, sections or {}) if "work" in (kind, *by_joint.values()) else {}
+    by_work = [body for body, average in on_average if kind_of(average.tie) == "work" and average.node in frames]
     table: dict[Freedom, Expression] = {}
     couplings: list[Coupling] = [*rigid]
-    table.update(_work(by_work, mesh, nodes, has_rotations, sections or {}))
+    table.update(_work(by_work, frames, nodes, has_rotations))
+    notes = list(arrangement.notes)
     for body, average in on_average:
-        if kind_of(average.tie) == "distributing":
-            couplings += _averaged(body, average, has_rotations)
+        if body in by_work:
+            continue
+        couplings += _averaged(body, average, has_rotations)
+        if kind_of(average.tie) == "work":
+            notes.append(
+                f"{joint_of(average.tie)}: distributing, for only a beam's section says how work is shared out"
+            )
     for body in arrangement.bodies:
         if isinstance(body.anchor, Interpolation):
             table.update(_interpolated(body.anchor, nodes, has_rotations))
@@ -91,7 +98,7 @@ def make_couplings(
         for independent, held in sorted(followers.items())
     ]
     couplings += _equations(table, couplings, nodes)
-    return Coupled(tuple(couplings), tuple(arrangement.notes))
+    return Coupled(tuple(couplings), tuple(dict.fromkeys(notes)))
 
 
 def nodes_with_rotations(mesh: Mesh) -> NDArray[np.bool_]:
@@ -121,22 +128,15 @@ def _averaged(body: Body, average: Average, has_rotations: NDArray[np.bool_]) ->
 
 
 def _work(
-    bodies: Sequence[Body],
-    mesh: Mesh,
-    nodes: Array,
-    has_rotations: NDArray[np.bool_],
-    sections: Mapping[str, SectionProperties],
+    bodies: Sequence[Body], frames: Mapping[int, BeamFrame], nodes: Array, has_rotations: NDArray[np.bool_]
 ) -> dict[Freedom, Expression]:
     """Equal work in the place of each average; the rest of the node's body follows it rigidly."""
-    frames = beam_frames(mesh, nodes, sections) if bodies else {}
     warpings: dict[int, Warping] = {}
     table: dict[Freedom, Expression] = {}
     for body in bodies:
         average = body.anchor
         assert isinstance(average, Average)
         place = joint_of(average.tie)
-        if average.node not in frames:
-            raise ConnectError(f"{place}: its node is at no beam's end, so that no work can be equated there")
         frame = frames[average.node]
         if id(frame.section) not in warpings:
             warpings[id(frame.section)] = warping_of(frame.section)

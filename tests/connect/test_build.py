@@ -187,3 +187,25 @@ def test_coordinates_lose_the_rounding_of_rotations():
     assert clean[0, :2].tolist() == [0.0, 0.0]
     assert not np.signbit(clean[0, 0])
     assert clean[0, 2] == pytest.approx(1000 / 3, rel=1e-11)
+
+
+FIN = """
+BLOCK = BLO(120, 60, 60)
+FIN = BLO(100, 4, 80) AT (MOVX=10, MOVY=28, MOVZ=60)
+BODY = BLOCK UN FIN
+OUT BODY
+"""
+
+
+@pytest.mark.parametrize("coupling", ["distributing", "rigid", "work"])
+@pytest.mark.parametrize("order", [1, 2])
+def test_a_plate_on_a_block_is_tied_along_its_edge(order, coupling):
+    classified = classify(read_model(FIN, "model.csg"))
+    options = MeshOptions(size=15.0, order=order)
+    assembly = assemble(classified.evaluated, classified.partition.segments, classified.joints, options)
+    model = build_model(assembly, classified.evaluated, classified.csg, units=classified.units, coupling=coupling)
+    checks = check_model(model, assembly, classified.evaluated)
+    assert checks.passed, checks.failures
+    assert checks.components == 1
+    if coupling == "work":
+        assert any("only a beam's section" in note for note in model.notes)
