@@ -13,6 +13,7 @@ from fastapi import Depends, HTTPException, Request
 from app.artifacts import Artifacts
 from app.jobs import Jobs
 from app.settings import Settings
+from app.sources import sources_hash
 from app.store import JobRow, MeshRow, ModelRow, RuleBaseRow, Store
 
 REMEMBERED = 512
@@ -90,10 +91,10 @@ class Context:
 
 
 def question_key(task: str, payload: dict[str, Any]) -> str:
-    """SHA-256 of a task with its payload and of the version of csgmesh that would answer."""
+    """SHA-256 of a task with its payload, and of the version and the sources of csgmesh that would answer."""
     from importlib.metadata import version
 
-    text = json.dumps([version("csgmesh"), task, payload], sort_keys=True)
+    text = json.dumps([version("csgmesh"), sources_hash(), task, payload], sort_keys=True)
     return hashlib.sha256(text.encode()).hexdigest()
 
 
