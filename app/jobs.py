@@ -6,6 +6,7 @@ store.add_job -> queued -> claimed by a thread -> running in that thread's worke
 from __future__ import annotations
 
 import json
+import queue
 import threading
 from typing import Any
 
@@ -22,8 +23,11 @@ from kernel.errors import CsgmeshError, DefectError
 MOST_ATTEMPTS = 3
 """A job during which the service died this often is not tried again."""
 
+INTERACTIVE_WORKERS = 2
+"""Workers for what requests wait for: a long one must not hold up every other."""
+
 INTERACTIVE_DEADLINE = 120.0
-"""Seconds that a request may keep the interactive worker busy."""
+"""Seconds that a request may keep an interactive worker busy."""
 
 IDLE_WAIT = 1.0
 """Seconds after which an idle thread looks into the store unasked."""
@@ -32,7 +36,7 @@ log = structlog.get_logger()
 
 
 class Jobs:
-    """`n_worker` workers for jobs, and one more for what a request waits for."""
+    """`n_worker` workers for jobs, and INTERACTIVE_WORKERS more for what requests wait for."""
 
     def __init__(self, store: Store, artifacts: Artifacts, n_worker: int) -> None:
         self._store = store
@@ -40,7 +44,10 @@ class Jobs:
         self._wake = threading.Condition()
         self._is_stopping = False
         self._workers = [Worker(artifacts.folder) for _ in range(n_worker)]
-        self._interactive = Worker(artifacts.folder)
+        self._interactive = [Worker(artifacts.folder) for _ in range(INTERACTIVE_WORKERS)]
+        self._idle: queue.LifoQueue[Worker] = queue.LifoQueue()  # the last one used comes first: it is warm
+        for worker in self._interactive:
+            self._idle.put(worker)
         self._doing: dict[str, Worker] = {}
         self._threads = [
             threading.Thread(target=self._take_jobs, args=(worker,), name=f"jobs-{k}", daemon=True)
@@ -60,7 +67,7 @@ class Jobs:
         with self._wake:
             self._is_stopping = True
             self._wake.notify_all()
-        for worker in [*self._workers, self._interactive]:
+        for worker in [*self._workers, *self._interactive]:
             worker.stop()
         for thread in self._threads:
             if thread.is_alive():
@@ -84,8 +91,12 @@ class Jobs:
         return True
 
     def call(self, task: str, payload: Payload) -> Any:
-        """Do a short task in the interactive worker and wait for it; raises what it raises."""
-        return self._interactive.call(task, payload, deadline=INTERACTIVE_DEADLINE)
+        """Do a short task in an interactive worker and wait for it; raises what it raises."""
+        worker = self._idle.get()
+        try:
+            return worker.call(task, payload, deadline=INTERACTIVE_DEADLINE)
+        finally:
+            self._idle.put(worker)
 
     def _take_jobs(self, worker: Worker) -> None:
         while not self._is_stopping:

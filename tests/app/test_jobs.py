@@ -1,5 +1,6 @@
 """Jobs outlive the server, and the server outlives a crash."""
 
+import threading
 import time
 
 import pytest
@@ -7,7 +8,7 @@ from fastapi.testclient import TestClient
 from sqlalchemy.exc import OperationalError
 
 from app.api.server import create_app
-from app.jobs import MOST_ATTEMPTS
+from app.jobs import INTERACTIVE_WORKERS, MOST_ATTEMPTS
 from app.settings import load_settings
 from app.store import Store
 
@@ -92,3 +93,25 @@ def test_progress_that_cannot_be_noted_does_not_fail_the_job(settings, monkeypat
         job = submit(client, 50)
         wait_until(lambda: state(client, job) in ("done", "failed"))
         assert state(client, job) == "done"
+
+
+def test_a_long_request_holds_up_neither_another_nor_an_answer_that_is_known(settings):
+    other = PLATE.replace("5]", "6]")
+    with TestClient(create_app(settings)) as client:
+        context = client.app.state.context
+        model = client.post("/v1/models", content=PLATE, headers=TEXT).headers["location"]
+        assert client.get(f"{model}/tree").status_code == 200
+        held = [context.jobs._idle.get() for _ in range(INTERACTIVE_WORKERS - 1)]
+        assert client.post("/v1/models", content=other, headers=TEXT).status_code == 201
+        held.append(context.jobs._idle.get())
+        assert client.get(f"{model}/tree").status_code == 200
+        answers = []
+        unknown = {"text": other.replace("6]", "7]"), "name": "c.csg"}
+        waiting = threading.Thread(target=lambda: answers.append(context.ask("read", unknown)))
+        waiting.start()
+        waiting.join(0.2)
+        assert waiting.is_alive() and answers == []
+        for worker in held:
+            context.jobs._idle.put(worker)
+        waiting.join(30)
+        assert answers[0]["language"] == "openscad"
