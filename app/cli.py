@@ -119,13 +119,13 @@ def mesh(
     start = time.perf_counter()
     from app import pipeline
     from app.materialfile import with_material
+    from app.pipeline import units_of
     from app.progress import progress_bar
     from kernel.connect.build import MASSES
     from kernel.connect.couplings import COUPLINGS
     from kernel.deck.deck import format_for
     from kernel.materials import choose_material
     from kernel.mesh.options import MeshOptions
-    from kernel.units import unit_set
 
     outputs = [output] if report is None else [output, report]
     if len({os.path.realpath(path) for path in outputs}) < len(outputs):
@@ -142,7 +142,7 @@ def mesh(
     options = MeshOptions(size=size, order=order, faces=faces, volumes=volumes)
     pinned = _overrides(override)
     csg, material = with_material(pipeline.read(model), material)
-    choose_material(material, csg, unit_set(units or csg.units or "mm"))
+    choose_material(material, csg, units_of(csg, units))
     with progress_bar() as progress:
         classified = pipeline.classify(csg, overrides=pinned, rules=rules, units=units, progress=progress)
         meshed = pipeline.mesh(
@@ -217,14 +217,14 @@ def evaluate(
     as_json: JsonOption = False,
 ) -> None:
     """Write the solid of MODEL as a surface of triangles."""
+    from app.pipeline import units_of
     from kernel.solid.evaluate import evaluate as evaluate_solid
     from kernel.solid.export import ending_of, solid_bytes
-    from kernel.units import unit_set
 
     ending = ending_of(output)
     check_writable(output)
     csg = _read(model)
-    unit_name = unit_set(units or csg.units or "mm").name
+    unit_name = units_of(csg, units).name
     evaluated = evaluate_solid(csg)
     write_files({output: solid_bytes(evaluated, ending)})
     from app.answers import solid_answer

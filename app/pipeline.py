@@ -93,7 +93,7 @@ def classify(
     """Evaluate the solid, let the rules and the user's overrides decide, split it into segments and find their joints.
 
     overrides: by node path or name. rules: a rule base or the path of one, None for the base that comes with csgmesh.
-    units: overrides what the model says; "mm" where neither says anything.
+    units: for a model that names none; "mm" where nobody says anything. OptionError where the model says otherwise.
     """
     from kernel.connect.contacts import find_joints
     from kernel.segment.partition import partition
@@ -101,7 +101,7 @@ def classify(
     from rules.engine import load_rule_base
 
     clock = _Clock(progress)
-    units_used = unit_set(units or csg.units or "mm")
+    units_used = units_of(csg, units)
     pinned = resolve_overrides(csg, overrides or {})
     with clock("rules"):
         rule_base = load_rule_base(rules) if rules is None or isinstance(rules, str) else rules
@@ -172,6 +172,20 @@ def refuse_failed(meshed: Meshed) -> None:
 def write_deck(meshed: Meshed, path: str, deck_format: str | None = None) -> bytes:
     """The model as the bytes of a deck, in `deck_format` or the format that the ending of `path` means."""
     return format_for(path, deck_format).write(meshed.model)
+
+
+def units_of(csg: CsgModel, asked: str | None) -> UnitSet:
+    """The model's own unit set, else the one asked for, else mm; OptionError where the two differ.
+
+    Asking for others would not convert the model's numbers but take them, its materials' included, for something else.
+    """
+    own = unit_set(csg.units) if csg.units else None
+    wanted = unit_set(asked) if asked else None
+    if own and wanted and own is not wanted:
+        raise OptionError(
+            f"the model says UNITS {own.name}, but units {wanted.name} are asked for, expected one of them"
+        )
+    return own or wanted or unit_set("mm")
 
 
 def resolve_overrides(csg: CsgModel, overrides: Mapping[str, Override]) -> dict[str, Override]:

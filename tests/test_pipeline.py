@@ -11,7 +11,7 @@ import pytest
 
 from app.cli import run
 from app.pipeline import classify, mesh, read, resolve_overrides, write_deck
-from kernel.errors import OverrideError
+from kernel.errors import OptionError, OverrideError
 from kernel.mesh.options import MeshOptions
 from kernel.plan import Override
 
@@ -104,3 +104,11 @@ def test_tetrahedra_have_mid_side_nodes_whatever_the_order():
     assert set(meshed.assembly.mesh.count()) == {"tet10"}
     assert meshed.checks.failures == ()
     assert abs(meshed.checks.mass_error) < 1e-3
+
+
+def test_units_that_differ_from_the_models_are_refused_not_reinterpreted():
+    csg = read(str(ROOT / "examples" / "table.padl.csg"))
+    with pytest.raises(OptionError, match="the model says UNITS mm, but units m are asked for"):
+        classify(csg, units="m")
+    assert classify(csg, units="MM").units.name == "mm"
+    assert classify(read(TABLE), units="m").units.name == "m"
