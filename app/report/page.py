@@ -14,6 +14,7 @@ from app.answers import meshed_answer
 from app.report.pictures import pictures
 from app.report.scenes import segment_colours
 from app.texts import measure_text, number, plural
+from kernel.csg.tree import walk
 from kernel.mesh.quality import element_quality
 
 if TYPE_CHECKING:
@@ -26,6 +27,9 @@ CAPTIONS = {
     "mesh": "The mesh: shells at their mid-surface, beams with their section",
 }
 
+CALLED = {"plates": "several plates", "split": "what its operands are", "cut": "several pieces"}
+"""Types that are no thing of their own."""
+
 STYLE = """
 body { font: 15px/1.45 system-ui, sans-serif; color: #1d2530; max-width: 1100px; margin: 2rem auto; padding: 0 1rem }
 h1 { font-size: 1.5rem } h2 { font-size: 1.15rem; margin-top: 2rem; border-bottom: 1px solid #d5dbe2 }
@@ -33,7 +37,7 @@ table { border-collapse: collapse; width: 100% } th { text-align: left; font-wei
 td, th { padding: .3rem .6rem .3rem 0; border-bottom: 1px solid #e6eaee; vertical-align: top }
 td.n, th.n { text-align: right; font-variant-numeric: tabular-nums } small { color: #5c6875 }
 figure { margin: 1rem 0; display: inline-block; width: 100% } figcaption { color: #5c6875 }
-figure img { max-width: 100%; border: 1px solid #e6eaee } .bad { color: #b3261e; font-weight: 600 }
+figure img { width: 100%; border: 1px solid #e6eaee } .bad { color: #b3261e; font-weight: 600 }
 .swatch { display: inline-block; width: .9em; height: .9em; margin-right: .4em; vertical-align: -.1em }
 figure.half { width: auto; margin-right: 2rem }
 """
@@ -46,9 +50,9 @@ def report_page(meshed: Meshed) -> str:
     parts = [
         f"<h1>{escape(answer.model)}</h1>",
         f"<p>{_summary(answer)}</p>",
-        *(_figure(name, content) for name, content in pictures(meshed).items()),
+        *(_figure(name, content, _extents(meshed)) for name, content in pictures(meshed).items()),
         "<h2>Segments</h2>",
-        _segments(answer, colours),
+        _segments(answer, colours, {path: node.kind for path, node in walk(meshed.classified.csg.root)}),
         "<h2>Joints</h2>",
         _table(("joint", "kind", "segments", "area"), [_joint(j) for j in answer.joints]) or "<p>None.</p>",
         "<h2>Element quality</h2>",
@@ -72,39 +76,72 @@ def _summary(answer: MeshAnswer) -> str:
     )
 
 
-def _figure(name: str, content: bytes) -> str:
+def _extents(meshed: Meshed) -> str:
+    """The solid's overall dimensions along the user's axes: `1500 x 800 x 785 mm`."""
+    evaluated = meshed.classified.evaluated
+    sides = np.ptp(evaluated.solid.facets.vertices @ evaluated.frame.T, axis=0)
+    return f"{' x '.join(number(float(side)) for side in sides)} {meshed.classified.units.length} along x, y, z"
+
+
+def _figure(name: str, content: bytes, extents: str) -> str:
     data = base64.b64encode(content).decode()
-    caption = CAPTIONS[name]
+    caption = f"{CAPTIONS[name]}; {extents}"
     image = f'<img alt="{escape(caption)}" src="data:image/png;base64,{data}">'
     return f'<figure id="{name}">{image}<figcaption>{escape(caption)}</figcaption></figure>'
 
 
-def _segments(answer: MeshAnswer, colours: dict[str, tuple[int, int, int]]) -> str:
+def _segments(answer: MeshAnswer, colours: dict[str, tuple[int, int, int]], kinds: dict[str, str]) -> str:
     rows = []
     for segment in answer.segments:
         red, green, blue = colours[segment.id]
-        decision = segment.decision
         swatch = f'<span class="swatch" style="background: rgb({red}, {green}, {blue})"></span>'
-        origin = "" if segment.origin == "rule" else f"override; the rules say {decision.by_rule}. "
-        why = escape(f"{origin}{decision.because} ({decision.rule}, certainty {decision.certainty:g})")
-        rejected = "".join(f"<br><small>not {escape(f'{r.type}: {r.because}')}</small>" for r in decision.rejected)
-        node = escape(segment.node + (f" {segment.name}" if segment.name else ""))
+        words = (segment.node, segment.name, kinds.get(segment.node.partition("#")[0]))
+        node = escape(" ".join(word for word in words if word))
         cells = (swatch + escape(segment.id), node, escape(segment.type), escape(_measures(segment)))
         rows.append(
             "<tr>"
             + "".join(f"<td>{cell}</td>" for cell in cells)
-            + f'<td class="n">{number(segment.volume)}</td><td>{why}{rejected}</td></tr>'
+            + f'<td class="n">{number(segment.volume)}</td><td>{_why(segment)}</td></tr>'
         )
     head = "<tr><th>segment</th><th>node</th><th>type</th><th>measures</th><th class=n>volume</th><th>why</th></tr>"
     return f"<table>{head}{''.join(rows)}</table>"
 
 
+def _why(segment: SegmentAnswer) -> str:
+    """What was decided and why, then what spoke against the others; which rule said so comes last and small."""
+    decision = segment.decision
+    said = f"{_called(decision.by_rule)}: {decision.because}"
+    if segment.origin == "rule":
+        lines = [escape(f"It is {said}.")]
+        if decision.review:
+            lines.append('<span class="bad">This is near the limit: have a look.</span>')
+    else:
+        lines = [escape(f"It is {_called(segment.type)} by override. The rules would have {said}.")]
+    small = [f"It is not {_called(other.type)}: {other.because}." for other in decision.rejected]
+    small.append(f"Rule {decision.rule}, certainty {decision.certainty:g}.")
+    return "<br>".join([*lines, *(f"<small>{escape(_in_words(text))}</small>" for text in small)])
+
+
+def _in_words(text: str) -> str:
+    """A condition as the rules write it, for reading: `span_ratio 4.2, needs >= 10` has blanks and signs of its own."""
+    for written, read in (("_", " "), (">=", "≥"), ("<=", "≤"), ("==", "=")):
+        text = text.replace(written, read)
+    return text
+
+
+def _called(kind: str) -> str:
+    """A type as an analyst would call it."""
+    return CALLED.get(kind, f"a {kind.replace('_', '-')}")
+
+
 def _measures(segment: SegmentAnswer) -> str:
     measures = []
-    for name in ("thickness", "length", "radius", "holes"):
+    for name in ("thickness", "length", "radius"):
         value = getattr(segment, name)
         if value is not None:
             measures.append(f"{name} {number(value)}")
+    if segment.holes:
+        measures.append(plural(segment.holes, "hole"))
     if segment.section is not None:
         section = segment.section
         measures.append(

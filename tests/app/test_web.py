@@ -10,8 +10,8 @@ import app
 WEB = Path(app.__file__).parent / "web"
 HANDLES = (
     "open-model", "example-select", "viewer", "csg-tree", "segment-row", "segment-type", "explanation", "mesh-size",
-    "mesh-button", "job-progress", "quality-summary", "download-deck", "deck-format", "mesh-order", "mesh-volumes", "mesh-units",
-    "mesh-material", "viewer-hint",
+    "mesh-button", "job-progress", "quality-summary", "download-deck", "deck-format",
+    "mesh-order", "mesh-volumes", "mesh-units", "mesh-material", "viewer-hint",
 )  # fmt: skip
 EXAMPLES = re.findall(r'"([^"]+)": \["([^"]+)", `([^`]+)`\]', (WEB / "examples.js").read_text())
 TYPES = {
@@ -33,6 +33,15 @@ def test_the_page_is_served_with_everything_that_it_asks_for(client):
     assert linked and imported
     for path in linked + imported:
         assert client.get(path).status_code == 200, path
+
+
+def test_the_operations_are_listed_without_another_server(client):
+    page = client.get("/docs")
+    assert page.status_code == 200 and client.head("/docs").status_code == 200
+    assert "//" not in page.text
+    for path in re.findall(r'(?:src|href)="(/[^"]+)"', page.text):
+        assert client.get(path).status_code == 200, path
+    assert client.get("/redoc").status_code == 404
 
 
 def test_nothing_comes_from_another_server():
