@@ -100,7 +100,7 @@ def _graded_sizes(
     for curve, size in zip(curves, wanted):
         count = int(min(max(np.ceil(SAMPLES_PER_SIZE * curve.length / size), 2 * SAMPLES_PER_SIZE), MOST_SAMPLES))
         points.append(topology.carrier(curve.carrier).at(np.linspace(curve.start, curve.end, count + 1)))
-    sizes = [np.full(len(samples), size) for samples, size in zip(points, wanted)]
+    sizes = [np.full(len(samples), float(size)) for samples, size in zip(points, wanted)]
     for face in sorted(by_face):
         sheet = sheets[face]
         sampled = []
