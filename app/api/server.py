@@ -42,6 +42,8 @@ def create_app(settings: Settings) -> FastAPI:
         version=version("csgmesh"),
         description="CSG solids to connected finite element models of beams, plates, cylinder-plates and bricks.",
         lifespan=life,
+        docs_url=None,  # FastAPI's own pages load their scripts from another server; ours is in _add_service
+        redoc_url=None,
     )
     problems.install(application)
     for part in (models, segments, meshing, rulebases):
@@ -103,6 +105,10 @@ def _add_service(application: FastAPI) -> None:
     @application.api_route("/", methods=["GET", "HEAD"], include_in_schema=False)
     def page() -> FileResponse:
         return FileResponse(WEB / "index.html", headers={"Cache-Control": "no-cache"})
+
+    @application.api_route("/docs", methods=["GET", "HEAD"], include_in_schema=False)
+    def operations() -> FileResponse:
+        return FileResponse(WEB / "docs.html", headers={"Cache-Control": "no-cache"})
 
     @application.get("/favicon.ico", include_in_schema=False)
     def icon() -> RedirectResponse:

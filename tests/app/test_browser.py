@@ -1,5 +1,6 @@
 """The web page in a real browser: open, understand, override, mesh, download."""
 
+import json
 import re
 import subprocess
 import sys
@@ -149,3 +150,14 @@ def test_a_reload_shows_the_same_model(page):
     page.open(page.run("location.href"))
     page.wait("document.querySelectorAll('[data-testid=segment-row]').length === 1")
     assert types(page) == ["beam"]
+
+
+def test_every_operation_is_listed_with_what_it_wants_and_gives(page, url):
+    page.open(f"{url}docs")
+    page.wait("document.querySelectorAll('#operations details').length > 0")
+    described = json.load(urllib.request.urlopen(f"{url}openapi.json", timeout=30))
+    count = sum(len(operations) for operations in described["paths"].values())
+    assert page.run("document.querySelectorAll('#operations details').length") == count
+    said = page.run("document.getElementById('operations').textContent")
+    assert "POST /v1/models/{model_id}/meshes" in said and "target length of an element's edge" in said
+    assert page.run("document.getElementById('message').hidden")
