@@ -128,7 +128,7 @@ def list_overrides(model_id: str, context: Ctx) -> list[OverrideResource]:
     responses=documented([OVERRIDE_EXAMPLE], 404),
 )
 def get_history(model_id: str, context: Ctx) -> list[OverrideEvent]:
-    """Every override that was ever set or taken back, oldest first."""
+    """Every override that was ever set or taken back, oldest first; a node named `history` is addressed by its path."""
     context.model(model_id)
     return [
         OverrideEvent(node=row.node, type=row.type, author=row.author, reason=row.reason, created=row.created)
@@ -142,7 +142,7 @@ def get_history(model_id: str, context: Ctx) -> list[OverrideEvent]:
     responses=documented(OVERRIDE_EXAMPLE, 404, 422),
 )
 def get_override(model_id: str, node: str, context: Ctx) -> OverrideResource:
-    """The override of one node, by path (the root as %2F) or name."""
+    """The override of one node, by path (the root as %2F) or name (a node named `history` by path only)."""
     model = context.model(model_id)
     path = _path(context, model, node)
     for row in context.store.overrides(model_id):

@@ -198,3 +198,10 @@ def test_a_cancelled_job_stays_cancelled_and_the_next_one_is_done(client, table)
 def test_an_unknown_rule_base_is_not_found(client, table):
     assert client.get(f"/v1/models/{table}/segments?rulebase=house").status_code == 404
     assert client.get(f"/v1/models/{table}/segments?rulebase=base").status_code == 200
+
+
+def test_a_node_called_history_is_overridden_by_its_path(client):
+    model = send(client, "history = BLO(X=100, Y=60, Z=5)\nOUT history\n")
+    assert client.put(f"/v1/models/{model}/overrides/%2F", json={"type": "brick"}).status_code == 200
+    assert client.get(f"/v1/models/{model}/overrides/%2F").json()["type"] == "brick"
+    assert [event["node"] for event in client.get(f"/v1/models/{model}/overrides/history").json()] == ["/"]
