@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, Any
 
 from kernel.csg.tree import CsgModel, find
 from kernel.deck.deck import format_for
-from kernel.errors import CheckError, OverrideError
+from kernel.errors import CheckError, OptionError, OverrideError
 from kernel.mesh.options import MeshOptions
 from kernel.plan import OVERRIDES, Override
 from kernel.units import UnitSet, unit_set
