@@ -6,6 +6,7 @@ Imports here are late on purpose: `csgmesh tree` must not wait for numba, pydant
 from __future__ import annotations
 
 import os
+import re
 import signal
 import sys
 import time
@@ -58,7 +59,7 @@ OverrideOption = Annotated[
     list[str] | None,
     typer.Option(
         "--override",
-        metavar="NODE=TYPE",
+        metavar="NODE=TYPE[:REASON]",
         help="Decide a node yourself, by path or name: beam, plate, plates, cylinder_plate, brick, split, auto.",
     ),
 ]
@@ -66,7 +67,7 @@ UnitsOption = Annotated[
     str | None,
     typer.Option(
         "--units",
-        help="Instead of what the model says, else mm. Consistent sets: mm (mm-t-s-N-MPa), cm (cm-100 kg-s-N), "
+        help="For a model that does not say; mm by default. Consistent sets: mm (mm-t-s-N-MPa), cm (cm-100 kg-s-N), "
         "m (m-kg-s-N-Pa), in (in-lbf-s-psi), ft (ft-slug-s-lbf-psf).",
     ),
 ]
@@ -347,17 +348,18 @@ def _classified(model: str, rules: str | None, override: list[str] | None, units
 
 
 def _overrides(texts_given: list[str] | None) -> dict[str, Override]:
-    """NODE=TYPE by node; OptionError where one is written otherwise or a node stands twice."""
+    """NODE=TYPE or NODE=TYPE:REASON by node; OptionError where one is written otherwise or a node stands twice."""
     from kernel.plan import Override
 
     overrides: dict[str, Override] = {}
     for text in texts_given or []:
-        node, equals, kind = text.rpartition("=")
-        if not equals or not node or not kind:
-            raise OptionError(f"--override {text!r}: expected NODE=TYPE, such as 0.1=brick")
+        written = re.fullmatch(r"(.+?)=([^=:]+)(?::(.*))?", text, re.DOTALL)
+        if written is None:
+            raise OptionError(f"--override {text!r}: expected NODE=TYPE or NODE=TYPE:REASON, such as 0.1=brick")
+        node, kind, reason = written.groups()
         if node in overrides:
             raise OptionError(f"--override {text!r}: node {node} is overridden twice, expected once")
-        overrides[node] = Override(kind, author="command line")
+        overrides[node] = Override(kind, reason=(reason or "").strip())
     return overrides
 
 

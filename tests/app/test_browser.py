@@ -85,12 +85,12 @@ def test_order_units_and_material_go_into_the_mesh(page, url):
     open_example(page, "Table", 5)
     page.run(f"{by('mesh-size')}.value = '100'")
     choose(page, by("mesh-order"), "2")
-    choose(page, by("mesh-units"), "m")
+    choose(page, by("mesh-units"), "mm")
     page.run(f"{by('mesh-material')}.value = 'aluminium'")
     page.run(f"{by('mesh-button')}.click()")
     page.wait(f"!{by('mesh-button')}.disabled && {by('quality-summary')}.innerText.includes('quad8')")
     deck = urllib.request.urlopen(page.run(f"{by('download-deck')}.href")).read().decode()
-    assert "m-kg-s-N" in deck and "aluminium" in deck.lower()
+    assert "mm-t-s-N" in deck and "aluminium" in deck.lower()
 
 
 def test_a_segment_says_why_it_is_what_it_is(page):
