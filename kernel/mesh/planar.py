@@ -8,9 +8,13 @@ from __future__ import annotations
 import numpy as np
 
 from kernel.errors import MeshError
+from kernel.mesh.period import shortest_way
 from kernel.mesh.region import Region, RegionMesh
 
 FACES = ("quad", "tri", "mixed")
+
+MOST_ELEMENTS = 20_000_000
+"""A region that would take more elements than this is refused: the size is surely a mistake."""
 
 
 def mesh_region(region: Region, size: float, faces: str = "quad") -> RegionMesh:
@@ -23,6 +27,12 @@ def mesh_region(region: Region, size: float, faces: str = "quad") -> RegionMesh:
     cannot be meshed: a boundary that is no ring, points or edges that meet where they should not, an odd curve.
     """
     _check(region, size, faces)
+    mesh = _mesh(region, size, faces)
+    _check_elements(mesh, region.period)
+    return mesh
+
+
+def _mesh(region: Region, size: float, faces: str) -> RegionMesh:
     if faces != "tri":
         from kernel.mesh.structured import structured_mesh
 
@@ -46,6 +56,24 @@ def mesh_region(region: Region, size: float, faces: str = "quad") -> RegionMesh:
     return quad_mesh(region, size)
 
 
+def _check_elements(mesh: RegionMesh, period: float | None) -> None:
+    """MeshError, with the place, where an element has no area or runs clockwise: none ever leaves."""
+    for elements in (mesh.quads, mesh.triangles):
+        if len(elements) == 0:
+            continue
+        diagonals = []
+        for a, b in ((0, 2), (1, 3)) if elements.shape[1] == 4 else ((0, 1), (0, 2)):
+            way = mesh.points[elements[:, b]] - mesh.points[elements[:, a]]
+            if period is not None:
+                way[:, 0] = shortest_way(way[:, 0], period)
+            diagonals.append(way)
+        (ux, uy), (vx, vy) = diagonals[0].T, diagonals[1].T
+        area = ux * vy - uy * vx
+        if not area.min() > 0:
+            x, y = mesh.points[elements[int(area.argmin())]].mean(axis=0)
+            raise MeshError(f"curves lie so near to each other that an element would be flat near ({x:.6g}, {y:.6g})")
+
+
 def _check(region: Region, size: float, faces: str) -> None:
     """MeshError where the values make no sense; what depends on geometry the triangulation finds."""
     if faces not in FACES:
@@ -65,7 +93,19 @@ def _check(region: Region, size: float, faces: str) -> None:
     boundary = region.edges[region.is_boundary]
     leaving = np.bincount(boundary[:, 0], minlength=n_point)
     arriving = np.bincount(boundary[:, 1], minlength=n_point)
+    wanted = abs(_area(region)) / size**2
+    if wanted > MOST_ELEMENTS:
+        raise MeshError(f"a region meshed at size {size:.6g} would take some {wanted:.2g} elements")
     open_points = np.flatnonzero(leaving != arriving)
     if len(open_points):
         x, y = region.points[open_points[0]]
         raise MeshError(f"the region's boundary is not closed at ({x:.6g}, {y:.6g})")
+
+
+def _area(region: Region) -> float:
+    """Area enclosed by the boundary edges."""
+    a, b = (region.points[region.edges[region.is_boundary, k]] for k in (0, 1))
+    dx = b[:, 0] - a[:, 0]
+    if region.period is not None:
+        dx = shortest_way(dx, region.period)
+    return -float((dx * (0.5 * (a[:, 1] + b[:, 1]) - region.points[0, 1])).sum())
