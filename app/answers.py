@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections import Counter
+from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -15,6 +16,7 @@ from app.schemas import (
     JointAnswer,
     MassAnswer,
     MeshAnswer,
+    OverrideAnswer,
     RejectedAnswer,
     SectionAnswer,
     SegmentAnswer,
@@ -84,7 +86,7 @@ def section_answer(section: SectionProperties) -> SectionAnswer:
 
 def decision_answer(decision: Decision) -> DecisionAnswer:
     """Why a node is what it is."""
-    by_rule = decision.by_rule
+    by_rule, pinned = decision.by_rule, decision.override
     return DecisionAnswer(
         rule=by_rule.rule,
         certainty=by_rule.certainty,
@@ -94,6 +96,7 @@ def decision_answer(decision: Decision) -> DecisionAnswer:
         margin=by_rule.margin,
         review=needs_review(decision),
         conflicts=list(by_rule.conflicts),
+        override=None if pinned is None else OverrideAnswer(**asdict(pinned)),
     )
 
 

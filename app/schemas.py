@@ -21,6 +21,14 @@ class RejectedAnswer(Schema):
     because: str
 
 
+class OverrideAnswer(Schema):
+    """What a user decided, and why."""
+
+    type: str
+    author: str
+    reason: str
+
+
 class DecisionAnswer(Schema):
     """Why a node is what it is. `rule` and the rest are what the rules say, also where an override stands."""
 
@@ -32,6 +40,7 @@ class DecisionAnswer(Schema):
     margin: float | None = Field(default=None, description="distance to the nearest threshold, as a share of it")
     review: bool = Field(default=False, description="that margin is so small that an analyst should look")
     conflicts: list[str] = Field(default_factory=list)
+    override: OverrideAnswer | None = Field(default=None, description="the user's decision, beside the rules")
 
 
 class SectionAnswer(Schema):

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Sequence
+from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
 from kernel.errors import OverrideError
@@ -72,7 +73,7 @@ def classification_text(classified: Classified) -> str:
         node = f"{segment.node} {segment.name}" if segment.name else segment.node
         because = segment.decision.by_rule.because
         if segment.origin == "override":
-            because = f"override (the rules say {segment.decision.by_rule.type}: {because})"
+            because = f"{_origin(segment.decision)}: {because}"
         elif needs_review(segment.decision):
             because += " (near the limit)"
         rows.append((segment.id, node, segment.type, number(segment.volume), measure, because))
@@ -100,7 +101,11 @@ def explanation(classified: Classified, node: str | None) -> dict[str, Any]:
             "decisions": [_explained(decision) for decision in decisions],
         }
     explain = classified.rule_base.explain
-    decided = [{**_explained(d), "rules": explain(d.facts).to_json()["rules"]} for d in _about(classified, node)]
+    kept = ("nearest", "rules")
+    decided = [
+        {**_explained(d), **{name: item for name, item in explain(d.facts).to_json().items() if name in kept}}
+        for d in _about(classified, node)
+    ]
     return {"model": os.path.basename(classified.csg.source), "decisions": decided}
 
 
@@ -213,6 +218,7 @@ def _explained(decision: Decision) -> dict[str, Any]:
         "review": needs_review(decision),
         "rejected": [{"type": r.type, "rule": r.rule, "because": r.because} for r in by_rule.rejected],
         "conflicts": list(by_rule.conflicts),
+        "override": None if decision.override is None else asdict(decision.override),
         "facts": {name: _plain(value) for name, value in decision.facts.items()},
     }
 

@@ -99,6 +99,13 @@ def classify_task(payload: Payload, artifacts: Artifacts, progress: Progress) ->
     }
 
 
+def explain_task(payload: Payload, _artifacts: Artifacts, progress: Progress) -> dict[str, Any]:
+    """Every rule with its numbers for the decisions about `payload["node"]`."""
+    from app import texts
+
+    return texts.explanation(_classified(payload, progress), payload["node"])
+
+
 def mesh_task(payload: Payload, artifacts: Artifacts, progress: Progress) -> dict[str, Any]:
     """Mesh; gives the artifacts of the answer and of the content (model and what its pictures need)."""
     from app import pipeline
@@ -178,6 +185,7 @@ TASKS: dict[str, Callable[[Payload, Artifacts, Progress], Any]] = {
     "material": material_task,
     "solid": solid_task,
     "classify": classify_task,
+    "explain": explain_task,
     "mesh": mesh_task,
     "deck": deck_task,
     "mesh_glb": mesh_glb_task,

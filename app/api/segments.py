@@ -93,8 +93,20 @@ def get_segments(model_id: str, context: Ctx, rulebase: RulebaseQuery = None) ->
         **problem_responses(404, 409, 422),
     },
 )
-def get_explanation(model_id: str, context: Ctx, rulebase: RulebaseQuery = None) -> dict[str, Any]:
-    """What `csgmesh classify --explain --json` gives."""
+def get_explanation(
+    model_id: str,
+    context: Ctx,
+    rulebase: RulebaseQuery = None,
+    node: Annotated[
+        str | None,
+        Query(examples=["0.1"], description="path or name; then also every rule, with the numbers it was asked with"),
+    ] = None,
+) -> dict[str, Any]:
+    """What `csgmesh classify --explain --json` gives; with `node` what `--explain NODE --json` gives."""
+    if node is not None:
+        payload = {**context.model_payload(context.model(model_id), rulebase), "node": node}
+        about: dict[str, Any] = context.ask("explain", payload)
+        return about
     digests = _classify(context, context.model(model_id), rulebase, None)
     explained: dict[str, Any] = json.loads(context.artifacts.get(digests["explanation"]))
     return explained

@@ -62,6 +62,28 @@ def test_the_explanation_has_a_decision_for_every_segment(client, table):
     assert all(d["because"] and d["facts"] for d in decisions)
 
 
+def test_the_explanation_of_a_node_shows_every_rule_as_the_command_line_does(
+    client, table, tmp_path, capsys, monkeypatch
+):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "table.csg").write_text(TABLE)
+    assert run(["classify", "table.csg", "--explain", "TOP", "--json"]) == 0
+    explained = client.get(f"/v1/models/{table}/explanation?node=TOP").json()
+    assert explained == json.loads(capsys.readouterr().out)
+    assert explained["decisions"][0]["rules"][0]["conditions"]
+    assert client.get(f"/v1/models/{table}/explanation?node=NOWHERE").status_code in (404, 422)
+
+
+def test_an_override_shows_its_author_and_reason_beside_what_the_rules_say(client):
+    model = send(client, TABLE)
+    client.put(f"/v1/models/{model}/overrides/TOP", json={"type": "brick", "reason": "stress", "author": "anna"})
+    top = next(s for s in client.get(f"/v1/models/{model}/segments").json()["segments"] if s["name"] == "TOP")
+    assert top["decision"]["override"] == {"type": "brick", "author": "anna", "reason": "stress"}
+    assert top["decision"]["by_rule"] == "plate"
+    (explained,) = client.get(f"/v1/models/{model}/explanation?node=TOP").json()["decisions"]
+    assert explained["because_of"] == "override by anna: stress; the rules say plate"
+
+
 def test_an_override_changes_the_segment_and_its_removal_changes_it_back(client):
     model = send(client, TABLE)
     answer = client.put(

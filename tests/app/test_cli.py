@@ -99,6 +99,28 @@ def test_an_override_by_path_is_carried_out_and_the_rules_opinion_stays(csgmesh)
     assert (leg["type"], leg["origin"], leg["decision"]["by_rule"]) == ("brick", "override", "beam")
 
 
+def test_an_override_keeps_its_author_and_its_reason_beside_what_the_rules_say(csgmesh):
+    given = ("classify", TABLE, "--override", "1.0.0=brick:stress at the foot", "--override", "0=brick")
+    leg = next(item for item in json.loads(csgmesh(*given, "--json"))["segments"] if item["node"] == "1.0.0")
+    assert leg["decision"]["override"] == {"type": "brick", "author": "user", "reason": "stress at the foot"}
+    assert leg["decision"]["rule"] == "slender-prism-is-beam"
+    assert "override by user: stress at the foot; the rules say beam" in csgmesh(*given)
+    explained = csgmesh(*given, "--explain", "1.0.0")
+    assert explained.startswith("1.0.0: brick (override by user: stress at the foot; the rules say beam)")
+    (decision,) = json.loads(csgmesh(*given, "--explain", "0", "--json"))["decisions"]
+    assert decision["override"] == {"type": "brick", "author": "user", "reason": ""}
+    assert decision["by_rule"] == "plate"
+
+
+def test_explain_says_which_condition_failed_and_by_how_much(csgmesh):
+    (decision,) = json.loads(csgmesh("classify", TABLE, "--explain", "0", "--json"))["decisions"]
+    beam = next(rule for rule in decision["rules"] if rule.get("segment") == "beam")
+    failed = [item for item in beam["conditions"] if item["state"] == "fails" and item["strength"] is not None]
+    assert beam["state"] == "fails" and all(item["strength"] < 0 for item in failed) and failed
+    assert decision["nearest"].endswith(f"(rule {decision['rule']})") and decision["margin"] > 0
+    assert {"review", "conflicts", "rejected"} <= set(decision)
+
+
 def test_explain_gives_the_facts_and_the_numbers_of_every_rule(csgmesh):
     text = csgmesh("classify", TABLE, "--explain", "0")
     assert "wall_slenderness = 32" in text and "rejected:" in text
