@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Protocol
@@ -125,17 +126,34 @@ def _load(name: str) -> RuleBase:
 
 
 def _texts(paths: list[str]) -> dict[str, str]:
-    """Texts of models by path; a folder stands for the .csg and .json files in it."""
-    found: list[Path] = []
-    for path in map(Path, paths):
-        found += sorted(p for p in path.iterdir() if p.suffix in (".csg", ".json")) if path.is_dir() else [path]
+    """Texts of models by path; a folder stands for the .csg files in it, and for those .json files that are trees."""
     texts_read = {}
-    for path in found:
-        try:
-            texts_read[str(path)] = path.read_text(encoding="utf-8")
-        except (OSError, UnicodeDecodeError) as error:
-            raise RuleError(f"{path}: cannot be read, expected a model: {error}") from error
+    for path in map(Path, paths):
+        if not path.is_dir():
+            texts_read[str(path)] = _text(path)
+            continue
+        inside = {str(p): _text(p) for p in sorted(path.iterdir()) if p.suffix in (".csg", ".json")}
+        models = {name: text for name, text in inside.items() if name.endswith(".csg") or _is_tree(text)}
+        if not models:
+            raise RuleError(f"{path}: no models in this folder, expected .csg files or trees in .json")
+        texts_read.update(models)
     return texts_read
+
+
+def _text(path: Path) -> str:
+    try:
+        return path.read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        raise RuleError(f"{path}: cannot be read, expected a model: {error}") from error
+
+
+def _is_tree(text: str) -> bool:
+    """Whether JSON has the root of a tree; other JSON lies beside models too."""
+    try:
+        value = json.loads(text)
+    except ValueError:
+        return False
+    return isinstance(value, dict) and "root" in value
 
 
 def _print(text: str) -> None:

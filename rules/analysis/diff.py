@@ -41,8 +41,8 @@ class DiffReport:
         """For a terminal."""
         lines = [f"{self.a} -> {self.b}: {len(self.changes)} of {self.n_node} nodes change"]
         for change in self.changes:
-            before = f"{change.before} ({change.rule_before})" if change.before else "not asked"
-            after = f"{change.after} ({change.rule_after}: {change.because})" if change.after else "not asked"
+            before = _told(change.before, change.rule_before)
+            after = _told(change.after, change.rule_after, change.because)
             lines.append(f"  {change.node}: {before} -> {after}")
         return "\n".join(lines)
 
@@ -92,6 +92,13 @@ def diff_plans(a: RuleBase, b: RuleBase, plans: Mapping[str, tuple[Plan, Plan]])
             if _type(before.get(path)) != _type(after.get(path)):
                 changes.append(_change(f"{model} {path}", before.get(path), after.get(path)))
     return DiffReport(_title(a), _title(b), count, tuple(changes))
+
+
+def _told(answer: str | None, *by: str) -> str:
+    """An answer with the rule, and its reason, in brackets; a tier that is needed has neither."""
+    if answer is None:
+        return "not asked"
+    return f"{answer} ({': '.join(by)})" if by[0] else answer
 
 
 def _title(base: RuleBase) -> str:

@@ -59,6 +59,30 @@ def test_diff_names_the_nodes_that_change(rules):
     assert len(changed) == 4
 
 
+def test_diff_over_a_folder_takes_its_models_and_says_how_each_node_changes(rules, tmp_path):
+    folder = tmp_path / "models"
+    folder.mkdir()
+    (folder / "table.csg").write_text((EXAMPLES / "table.csg").read_text())
+    (folder / "cube.json").write_text('{"root": {"kind": "block", "size": [9, 9, 9]}}')
+    (folder / "answers.json").write_text('{"table": []}')
+    status, out, err = rules("diff", "base", "stricter.yaml", str(folder))
+    assert (status, err) == (0, "")
+    head, *lines = out.splitlines()
+    assert head.startswith("base ") and "nodes change" in head
+    legs = [line for line in lines if "table.csg" in line and "beam (slender-prism-is-beam) -> brick (" in line]
+    assert len(legs) == 4
+    status, out, err = rules("diff", "base", "stricter.yaml", str(folder), "--json")
+    report = json.loads(out)
+    assert report["ok"] is False and len(report["changes"]) == len(lines)
+    assert {"node", "before", "after", "rule_before", "rule_after", "because"} == set(report["changes"][0])
+
+
+def test_diff_over_a_folder_without_models_is_refused(rules, tmp_path):
+    (tmp_path / "empty").mkdir()
+    status, out, err = rules("diff", "base", "stricter.yaml", str(tmp_path / "empty"))
+    assert (status, out) == (2, "") and "no models in this folder" in err and err.count("\n") == 1
+
+
 def test_diff_without_models_asks_the_cases(rules):
     status, out, err = rules("diff", "base", "base")
     assert (status, err) == (0, "") and "0 of" in out
