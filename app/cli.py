@@ -236,7 +236,12 @@ def evaluate(
 
 @app.command(epilog="Example: csgmesh quality bracket.bdf --json")
 def quality(
-    deck: Annotated[str, typer.Argument(metavar="DECK", help="A NASTRAN, Gmsh 4.1 or VTU file.")],
+    deck: Annotated[
+        str,
+        typer.Argument(
+            metavar="DECK", help="A NASTRAN (.bdf .nas .dat), Gmsh 4.1, VTU, CalculiX or Abaqus (.inp) or .cdb file."
+        ),
+    ],
     as_json: JsonOption = False,
 ) -> None:
     """Measure the elements of a deck."""

@@ -1,4 +1,5 @@
-"""Decks read back, as far as their quality needs it: nodes and elements of NASTRAN, Gmsh 4.1 and VTU files.
+"""Decks read back, as far as their quality needs it: nodes and elements of NASTRAN, Gmsh 4.1 and VTU files here,
+of CalculiX, Abaqus and ANSYS archives in app/deckblocks.py.
 
 The tables say, for each node that a file lists, its place in our order (kernel/mesh/elements.py).
 """
@@ -13,61 +14,57 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from app.deckblocks import read_cdb, read_inp
+from app.deckmesh import SAME, Rows, deck_mesh, ordered
 from kernel.errors import OptionError, Place, ReadError
-from kernel.mesh.elements import ELEMENT_KINDS
-from kernel.mesh.mesh import ElementBlock, Mesh
-
-_SAME = tuple(range(20))
+from kernel.mesh.mesh import Mesh
 
 NASTRAN_CARDS: dict[str, tuple[tuple[str, tuple[int, ...]], ...]] = {
-    "CBAR": (("line2", _SAME[:2]),),
-    "CBEAM": (("line2", _SAME[:2]),),
-    "CTRIA3": (("tri3", _SAME[:3]),),
-    "CTRIA6": (("tri6", _SAME[:6]), ("tri3", _SAME[:3])),
-    "CQUAD4": (("quad4", _SAME[:4]),),
-    "CQUAD8": (("quad8", _SAME[:8]), ("quad4", _SAME[:4])),
-    "CTETRA": (("tet10", _SAME[:10]), ("tet4", _SAME[:4])),
-    "CPENTA": (("wedge15", (0, 1, 2, 3, 4, 5, 6, 7, 8, 12, 13, 14, 9, 10, 11)), ("wedge6", _SAME[:6])),
+    "CBAR": (("line2", SAME[:2]),),
+    "CBEAM": (("line2", SAME[:2]),),
+    "CTRIA3": (("tri3", SAME[:3]),),
+    "CTRIA6": (("tri6", SAME[:6]), ("tri3", SAME[:3])),
+    "CQUAD4": (("quad4", SAME[:4]),),
+    "CQUAD8": (("quad8", SAME[:8]), ("quad4", SAME[:4])),
+    "CTETRA": (("tet10", SAME[:10]), ("tet4", SAME[:4])),
+    "CPENTA": (("wedge15", (0, 1, 2, 3, 4, 5, 6, 7, 8, 12, 13, 14, 9, 10, 11)), ("wedge6", SAME[:6])),
     "CHEXA": (
         ("hex20", (0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 16, 17, 18, 19, 12, 13, 14, 15)),
-        ("hex8", _SAME[:8]),
+        ("hex8", SAME[:8]),
     ),
 }
 """By card: the kinds that it can be, the one with most nodes first."""
 
 GMSH_TYPES: dict[int, tuple[str, tuple[int, ...]]] = {
-    1: ("line2", _SAME[:2]),
-    8: ("line3", _SAME[:3]),
-    2: ("tri3", _SAME[:3]),
-    9: ("tri6", _SAME[:6]),
-    3: ("quad4", _SAME[:4]),
-    16: ("quad8", _SAME[:8]),
-    4: ("tet4", _SAME[:4]),
+    1: ("line2", SAME[:2]),
+    8: ("line3", SAME[:3]),
+    2: ("tri3", SAME[:3]),
+    9: ("tri6", SAME[:6]),
+    3: ("quad4", SAME[:4]),
+    16: ("quad8", SAME[:8]),
+    4: ("tet4", SAME[:4]),
     11: ("tet10", (0, 1, 2, 3, 4, 5, 6, 7, 9, 8)),
-    6: ("wedge6", _SAME[:6]),
+    6: ("wedge6", SAME[:6]),
     18: ("wedge15", (0, 1, 2, 3, 4, 5, 6, 8, 12, 7, 13, 14, 9, 11, 10)),
-    5: ("hex8", _SAME[:8]),
+    5: ("hex8", SAME[:8]),
     17: ("hex20", (0, 1, 2, 3, 4, 5, 6, 7, 8, 11, 16, 9, 17, 10, 18, 19, 12, 15, 13, 14)),
 }
 
 VTK_TYPES: dict[int, tuple[str, tuple[int, ...]]] = {
-    3: ("line2", _SAME[:2]),
-    21: ("line3", _SAME[:3]),
-    5: ("tri3", _SAME[:3]),
-    22: ("tri6", _SAME[:6]),
-    9: ("quad4", _SAME[:4]),
-    23: ("quad8", _SAME[:8]),
-    10: ("tet4", _SAME[:4]),
-    24: ("tet10", _SAME[:10]),
+    3: ("line2", SAME[:2]),
+    21: ("line3", SAME[:3]),
+    5: ("tri3", SAME[:3]),
+    22: ("tri6", SAME[:6]),
+    9: ("quad4", SAME[:4]),
+    23: ("quad8", SAME[:8]),
+    10: ("tet4", SAME[:4]),
+    24: ("tet10", SAME[:10]),
     # VTK's wedge has its first triangle the other way round than ours
     13: ("wedge6", (0, 2, 1, 3, 5, 4)),
     26: ("wedge15", (0, 2, 1, 3, 5, 4, 8, 7, 6, 11, 10, 9, 12, 14, 13)),
-    12: ("hex8", _SAME[:8]),
-    25: ("hex20", _SAME[:20]),
+    12: ("hex8", SAME[:8]),
+    25: ("hex20", SAME[:20]),
 }
-
-Rows = dict[str, list[list[int]]]
-"""Connectivity by kind, in the node ids of the file and our order."""
 
 
 def read_deck(path: str) -> Mesh:
@@ -100,7 +97,7 @@ def read_nastran(path: str, text: str) -> Mesh:
                 _add_nastran_element(card, rows)
         except (ValueError, IndexError) as error:
             raise ReadError(f"{card[0]} cannot be read: {error}", place=Place(path, line, 1)) from error
-    return _mesh(path, nodes, rows)
+    return deck_mesh(path, nodes, rows)
 
 
 def read_gmsh(path: str, text: str) -> Mesh:
@@ -124,13 +121,13 @@ def read_gmsh(path: str, text: str) -> Mesh:
             if code in GMSH_TYPES:
                 kind, order = GMSH_TYPES[code]
                 for line in lines[at + 1 : at + 1 + count]:
-                    rows.setdefault(kind, []).append(_ordered([int(word) for word in line.split()[1:]], order))
+                    rows.setdefault(kind, []).append(ordered([int(word) for word in line.split()[1:]], order))
             elif code != 15:
                 raise ReadError(f"element type {code} is not known", place=Place(path, at + 1, 1))
             at += 1 + count
     except (ValueError, IndexError) as error:
         raise ReadError(f"the mesh cannot be read: {error}", place=Place(path, at + 1, 1)) from error
-    return _mesh(path, nodes, rows)
+    return deck_mesh(path, nodes, rows)
 
 
 def read_vtu(path: str, text: str) -> Mesh:
@@ -152,44 +149,23 @@ def read_vtu(path: str, text: str) -> Mesh:
     for end, code in zip(named["offsets"].tolist(), named["types"].tolist()):
         if code in VTK_TYPES:
             kind, order = VTK_TYPES[code]
-            rows.setdefault(kind, []).append(_ordered(named["connectivity"][start:end].tolist(), order))
+            rows.setdefault(kind, []).append(ordered(named["connectivity"][start:end].tolist(), order))
         elif code != 1:
             raise ReadError(f"cell type {code} is not known", place=Place(path, 1, 1))
         start = end
-    return _mesh(path, dict(enumerate(points.tolist())), rows)
+    return deck_mesh(path, dict(enumerate(points.tolist())), rows)
 
 
 _READERS: dict[tuple[str, ...], Callable[[str, str], Mesh]] = {
     (".bdf", ".nas", ".dat"): read_nastran,
     (".msh",): read_gmsh,
     (".vtu",): read_vtu,
+    (".inp",): read_inp,
+    (".cdb",): read_cdb,
 }
 
 
 _VTK_ARRAYS = {"Float64": "<f8", "Float32": "<f4", "Int64": "<i8", "Int32": "<i4", "UInt8": "u1"}
-
-
-def _mesh(path: str, nodes: dict[int, list[float]], rows: Rows) -> Mesh:
-    if not rows:
-        raise ReadError(f"{path}: no elements that are known")
-    place = {node: index for index, node in enumerate(nodes)}
-    blocks = []
-    for kind in (kind for kind in ELEMENT_KINDS if kind in rows):
-        try:
-            connectivity = np.array([[place[node] for node in row] for row in rows[kind]], np.int64)
-        except KeyError as error:
-            raise ReadError(f"{path}: an element uses node {error}, which is not there") from None
-        blocks.append(ElementBlock("deck", kind, connectivity))
-    return Mesh(np.array(list(nodes.values()), float).reshape(-1, 3), tuple(blocks))
-
-
-def _ordered(row: list[int], order: tuple[int, ...]) -> list[int]:
-    if len(row) != len(order):
-        raise ValueError(f"an element of {len(row)} nodes, expected {len(order)}")
-    ours = [0] * len(order)
-    for node, position in zip(row, order):
-        ours[position] = node
-    return ours
 
 
 def _nastran_cards(text: str) -> Iterator[tuple[int, list[str]]]:
@@ -239,7 +215,7 @@ def _add_nastran_element(card: list[str], rows: Rows) -> None:
     for kind, order in NASTRAN_CARDS[card[0]]:
         fields = card[3 : 3 + len(order)]
         if len(fields) == len(order) and all(field not in ("", "0") for field in fields):
-            rows.setdefault(kind, []).append(_ordered([int(field) for field in fields], order))
+            rows.setdefault(kind, []).append(ordered([int(field) for field in fields], order))
             return
     raise ValueError("nodes are missing")
 

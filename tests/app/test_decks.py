@@ -1,8 +1,11 @@
 """Decks read back: what our writers wrote is what our readers find."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
+from app.cli import run
 from app.decks import read_deck
 from kernel.connect.model import Model, Property
 from kernel.deck.deck import format_for
@@ -13,6 +16,7 @@ from kernel.mesh.mesh import ElementBlock, Mesh
 from kernel.mesh.quality import mesh_quality
 from kernel.units import unit_set
 
+TABLE = str(Path(__file__).resolve().parents[2] / "examples" / "table.csg")
 CORNERS = {
     "tri": [(0, 0, 0), (1, 0, 0), (0, 1, 0)],
     "quad": [(0, 0, 0), (2, 0, 0), (2, 1, 0), (0, 1, 0)],
@@ -41,7 +45,7 @@ def one_of_each(order):
 
 
 @pytest.mark.parametrize("order", [1, 2])
-@pytest.mark.parametrize("ending", ["bdf", "msh", "vtu"])
+@pytest.mark.parametrize("ending", ["bdf", "msh", "vtu", "inp", "cdb"])
 def test_every_kind_comes_back_with_its_quality(tmp_path, ending, order):
     model = one_of_each(order)
     path = tmp_path / f"deck.{ending}"
@@ -86,3 +90,32 @@ def test_an_unknown_ending_and_a_missing_file_are_refused(tmp_path):
         read_deck("a.txt")
     with pytest.raises(OptionError, match="No such file"):
         read_deck(str(tmp_path / "a.bdf"))
+
+
+@pytest.mark.parametrize("name, kinds", [("calculix", {"quad4", "line3"}), ("abaqus", {"quad4", "line2"})])
+def test_the_elements_of_a_table_come_back_from_a_keyword_deck(tmp_path, name, kinds):
+    path = tmp_path / "table.inp"
+    assert run(["mesh", TABLE, "-o", str(path), "--format", name, "--size", "100"]) == 0
+    assert set(read_deck(str(path)).count()) == kinds
+
+
+def test_the_elements_of_a_table_come_back_from_an_ansys_archive(tmp_path):
+    run(["mesh", TABLE, "-o", str(tmp_path / "table.cdb"), "--size", "100"])
+    run(["mesh", TABLE, "-o", str(tmp_path / "table.bdf"), "--size", "100"])
+    archive, bulk = (read_deck(str(tmp_path / f"table.{ending}")) for ending in ("cdb", "bdf"))
+    assert archive.count() == bulk.count() and archive.n_node == bulk.n_node
+
+
+@pytest.mark.parametrize(
+    "name, text, told",
+    [
+        ("a.inp", "*NODE\n1, 0, 0, 0\n*ELEMENT, TYPE=S9\n1, 1\n", "a.inp:3:1: .*'S9' is not known"),
+        ("a.inp", "*ELEMENT, TYPE=S3\n1, 1, 2\n", "2 nodes, expected 3"),
+        ("a.cdb", "ET,1,999\nEBLOCK,19,SOLID,1,1\n(19i9)\n", "cannot be read"),
+        ("a.cdb", "nothing\n", "no elements"),
+    ],
+)
+def test_a_grouped_deck_that_is_wrong_says_where(tmp_path, name, text, told):
+    (tmp_path / name).write_text(text)
+    with pytest.raises(ReadError, match=told):
+        read_deck(str(tmp_path / name))
