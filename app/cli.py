@@ -105,6 +105,9 @@ def mesh(
     rules: RulesOption = None,
     override: OverrideOption = None,
     material: Annotated[str | None, typer.Option(metavar="NAME|FILE", help=MATERIAL_HELP)] = None,
+    material_of: Annotated[
+        list[str] | None, typer.Option(metavar="NODE=NAME", help="Material of one node or segment, as TOP=aluminium.")
+    ] = None,
     coupling: Annotated[str, typer.Option(help=COUPLING_HELP)] = "distributing",
     joint: Annotated[
         list[str] | None, typer.Option(metavar="JOINT=COUPLING", help="Coupling of one joint, as j3=rigid.")
@@ -134,7 +137,7 @@ def mesh(
     for path in outputs:
         check_writable(path)
     format_for(output, deck_format)
-    by_joint = _joint_couplings(joint)
+    by_joint = _by_name(joint, "--joint", "JOINT=COUPLING", "j3=rigid")
     for name in (coupling, *by_joint.values()):
         if name not in COUPLINGS:
             raise OptionError(f"unknown coupling {name!r}, expected one of {', '.join(COUPLINGS)}")
@@ -152,6 +155,7 @@ def mesh(
             material=material,
             coupling=coupling,
             joint_couplings=by_joint,
+            materials_of=_by_name(material_of, "--material-of", "NODE=NAME", "TOP=aluminium"),
             mass=mass,
             progress=progress,
         )
@@ -368,14 +372,14 @@ def _overrides(texts_given: list[str] | None) -> dict[str, Override]:
     return overrides
 
 
-def _joint_couplings(texts_given: list[str] | None) -> dict[str, str]:
-    """JOINT=COUPLING by joint; OptionError where one is written otherwise or a joint stands twice."""
-    couplings: dict[str, str] = {}
+def _by_name(texts_given: list[str] | None, option: str, form: str, example: str) -> dict[str, str]:
+    """NAME=VALUE by name; OptionError where one is written otherwise or a name stands twice."""
+    found: dict[str, str] = {}
     for text in texts_given or []:
-        joint, equals, kind = text.partition("=")
-        if not equals or not joint or not kind:
-            raise OptionError(f"--joint {text!r}: expected JOINT=COUPLING, such as j3=rigid")
-        if joint in couplings:
-            raise OptionError(f"--joint {text!r}: joint {joint} is given twice, expected once")
-        couplings[joint] = kind
-    return couplings
+        name, equals, value = text.rpartition("=")
+        if not equals or not name or not value:
+            raise OptionError(f"{option} {text!r}: expected {form}, such as {example}")
+        if name in found:
+            raise OptionError(f"{option} {text!r}: {name} is given twice, expected once")
+        found[name] = value
+    return found

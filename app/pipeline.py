@@ -122,6 +122,7 @@ def mesh(
     material: str | None = None,
     coupling: str = "distributing",
     joint_couplings: Mapping[str, str] | None = None,
+    materials_of: Mapping[str, str] | None = None,
     mass: str = "plain",
     progress: Progress | None = None,
 ) -> Meshed:
@@ -129,6 +130,7 @@ def mesh(
 
     material: a named material for every segment, None for what the model's MATERIAL says, else steel.
     coupling: "distributing" (RBE3), "rigid" (RBE2) or "work" (equations), where dimensions change.
+    materials_of: names of materials by segment id, node path or name, where they differ.
     joint_couplings: by joint id, where one is to differ. mass: "plain", or "exact" to scale densities so that every
     segment weighs what its solid does.
     """
@@ -153,6 +155,7 @@ def mesh(
             material=material,
             coupling=coupling,
             joint_couplings=joint_couplings,
+            materials_of=materials_of,
             mass=mass,
             title=Path(csg.source).name,  # a deck does not depend on the folder that its model lies in
             rule_base=f"{classified.rule_base.name} {classified.rule_base.version}",

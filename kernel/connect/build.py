@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from kernel.connect.couplings import make_couplings
 from kernel.connect.mass import block_moments
 from kernel.connect.model import Model, NamedSet, Property
-from kernel.csg.tree import CsgModel, walk
+from kernel.csg.tree import CsgModel, find, walk
 from kernel.errors import DefectError, OptionError
 from kernel.materials import Material, choose_material
 from kernel.mesh.mesh import ElementBlock, Mesh
@@ -41,6 +41,7 @@ def build_model(
     material: str | None = None,
     coupling: str = "distributing",
     joint_couplings: Mapping[str, str] | None = None,
+    materials_of: Mapping[str, str] | None = None,
     mass: str = "plain",
     title: str = "",
     rule_base: str = "",
@@ -49,17 +50,19 @@ def build_model(
 
     material: a named material or one of the model's; None for what the model's text says, else steel.
     joint_couplings: by joint id, where a joint's coupling is to differ from `coupling`.
+    materials_of: names of materials by segment id, CSG node path or name, where they differ from `material`; of two
+    that hold for a segment the one of the deeper node wins, and its own id over both.
     mass: "exact" scales each segment's density so that its elements weigh what its solid does, corners that two
     mid-surfaces both count included; "plain" leaves the density as it is.
     OptionError: an unknown material, coupling, joint or mass. ConnectError: a tie that contradicts others.
     """
     if mass not in MASSES:
         raise OptionError(f"unknown mass {mass!r}, expected one of {', '.join(MASSES)}")
-    chosen = choose_material(material, csg, units)
+    chosen = _materials(material, materials_of or {}, csg, units, assembly.segments)
     mesh = _in_frame(assembly.mesh, np.asarray(evaluated.frame, dtype=np.float64))
     by_joint = _by_joint(joint_couplings or {}, assembly)
     coupled = make_couplings(assembly.ties, mesh, mesh.nodes, coupling, assembly.sections, by_joint)
-    properties = tuple(_property(segment, assembly, chosen) for segment in assembly.segments)
+    properties = tuple(_property(segment, assembly, chosen[segment.id]) for segment in assembly.segments)
     if mass == "exact":
         properties = _weighed(properties, assembly.segments, mesh)
     return Model(
@@ -68,7 +71,7 @@ def build_model(
         rule_base=rule_base,
         mesh=mesh,
         properties=properties,
-        materials={chosen.name: chosen},
+        materials={each.name: each for each in chosen.values()},
         couplings=coupled.couplings,
         sets=_sets(csg, assembly.segments, mesh),
         notes=(*assembly.warnings, *coupled.notes),
@@ -119,6 +122,38 @@ def _weighed(properties: Sequence[Property], segments: Sequence[Segment], mesh: 
         replace(element, density_factor=segment.volume / meshed[segment.id])
         for element, segment in zip(properties, segments)
     )
+
+
+def _materials(
+    general: str | None, wanted: Mapping[str, str], csg: CsgModel, units: UnitSet, segments: Sequence[Segment]
+) -> dict[str, Material]:
+    """The material of each segment, by id."""
+    ids = [segment.id for segment in segments]
+    by_path: dict[str, Material] = {}
+    by_id: dict[str, Material] = {}
+    for address, name in wanted.items():
+        found = choose_material(name, csg, units)
+        if address in ids:
+            by_id[address] = found
+        else:
+            by_path[find(csg.root, address)[0]] = found
+    unused = [path for path in by_path if not any(_is_under(segment.node, path) for segment in segments)]
+    if unused:
+        raise OptionError(f"node {unused[0]} has no segments of its own, expected a node that is meshed, or a segment")
+    everywhere = [segment.id for segment in segments if not _is_covered(segment, by_id, by_path)]
+    rest = choose_material(general, csg, units) if everywhere else None
+    result = {}
+    for segment in segments:
+        above = [path for path in by_path if _is_under(segment.node, path)]
+        deepest = max(above, key=lambda path: (path != "/", path.count("."), len(path)), default=None)
+        own = by_id.get(segment.id) or (by_path[deepest] if deepest is not None else rest)
+        assert own is not None
+        result[segment.id] = own
+    return result
+
+
+def _is_covered(segment: Segment, by_id: Mapping[str, Material], by_path: Mapping[str, Material]) -> bool:
+    return segment.id in by_id or any(_is_under(segment.node, path) for path in by_path)
 
 
 def _by_joint(wanted: Mapping[str, str], assembly: Assembly) -> Mapping[str, str]:

@@ -32,12 +32,22 @@ def test_exact_mass_makes_up_for_corners(tmp_path):
     assert abs(json.loads(done.stdout)["mass"]["error"]) < 1e-9
 
 
+def test_a_node_may_be_of_another_material(tmp_path):
+    deck = tmp_path / "table.bdf"
+    done = csgmesh("mesh", TABLE, "-o", str(deck), "--material-of", "0=aluminium")
+    assert done.returncode == 0, done.stderr
+    assert deck.read_text().count("\nMAT1") == 2
+
+
 @pytest.mark.parametrize(
     ("option", "complaint"),
     [
         (("--joint", "j2"), "expected JOINT=COUPLING"),
         (("--joint", "j2=glue"), "unknown coupling 'glue'"),
         (("--joint", "j99=rigid"), "no joint 'j99'"),
+        (("--material-of", "0"), "expected NODE=NAME"),
+        (("--material-of", "0=cheese"), "unknown material 'cheese'"),
+        (("--material-of", "7.7=steel"), "no node '7.7'"),
         (("--mass", "light"), "unknown mass 'light'"),
     ],
 )

@@ -11,7 +11,7 @@ from kernel.connect.build import build_model, clean_coordinates
 from kernel.connect.checks import check_model
 from kernel.connect.model import Mpc, Rbe2, Rbe3
 from kernel.csg.reader import read_model
-from kernel.errors import OptionError
+from kernel.errors import OptionError, OverrideError
 from kernel.idealise.members import Assembly
 from kernel.materials import choose_material
 from kernel.mesh.assemble import assemble
@@ -209,3 +209,25 @@ def test_a_plate_on_a_block_is_tied_along_its_edge(order, coupling):
     assert checks.components == 1
     if coupling == "work":
         assert any("only a beam's section" in note for note in model.notes)
+
+
+def test_nodes_and_segments_may_have_materials_of_their_own():
+    beams = [s.id for s in parts(TABLE)[0].partition.segments if s.type == "beam"]
+    model, checks = build(TABLE, materials_of={"TOP": "aluminium", "LEGS": "titanium", beams[0]: "concrete"})
+    by_segment = {element.segment: element.material for element in model.properties}
+    assert by_segment[beams[0]] == "concrete"
+    assert {by_segment[beam] for beam in beams[1:]} == {"titanium"}
+    assert set(by_segment.values()) == {"concrete", "titanium", "aluminium"}
+    assert set(model.materials) == set(by_segment.values())
+    assert checks.passed, checks.failures
+
+
+def test_the_deeper_node_decides_the_material():
+    model, _ = build(TABLE, materials_of={"/": "stainless", "TOP": "aluminium"})
+    assert [element.material for element in model.properties].count("stainless") == 4
+    assert [element.material for element in model.properties].count("aluminium") == 1
+
+
+def test_a_material_of_nothing_is_refused():
+    with pytest.raises(OverrideError, match="no node 'LID'"):
+        build(TABLE, materials_of={"LID": "steel"})
