@@ -22,6 +22,7 @@ from kernel.idealise.sheets import plane_sheet
 from kernel.segment.faces import Faces, faces_of
 from kernel.segment.segments import BeamShape, BrickShape, CylinderShape, PlateShape, Segment
 from kernel.segment.slices import parts_of, slice_polygon
+from kernel.solid.charts import cover, lift
 from kernel.solid.surfaces import CylinderSurface, Plane, Surface, outward
 
 if TYPE_CHECKING:
@@ -130,8 +131,9 @@ def _patch(faces: Faces, row: _Face) -> Polygon | MultiPolygon:
     surface = faces.table.surfaces[row.surface]
     if isinstance(surface, CylinderSurface):
         return shapely.transform(faces.unrolled(row.surface, row.side), lambda at: at * (surface.radius, 1.0))
-    assert isinstance(surface, Plane)
     facets = faces.facets
+    if not isinstance(surface, Plane):
+        return cover(surface, facets.vertices[facets.triangles[faces.mask(row.surface, row.side)]])
     corners = facets.vertices[np.unique(facets.triangles[faces.mask(row.surface, row.side)])]
     hull = shapely.convex_hull(shapely.multipoints(np.stack([corners @ surface.u, corners @ surface.v], axis=1)))
     if hull.area <= faces.areas[(row.surface, row.side)] * (1 + CONVEX):
@@ -142,12 +144,7 @@ def _patch(faces: Faces, row: _Face) -> Polygon | MultiPolygon:
 def _centre(surface: Surface, patch: Polygon | MultiPolygon) -> Array:
     """The patch's centroid in space; a point within it where the centroid is not (rings, bent strips)."""
     middle = patch.centroid if patch.covers(patch.centroid) else patch.representative_point()
-    if isinstance(surface, Plane):
-        return middle.x * surface.u + middle.y * surface.v + surface.offset * surface.normal
-    assert isinstance(surface, CylinderSurface)
-    axis, angle = surface.axis, middle.x / surface.radius
-    around = np.cos(angle) * axis.x + np.sin(angle) * axis.y
-    return axis.point + surface.radius * around + middle.y * axis.direction
+    return lift(surface, np.array([[middle.x, middle.y]]))[0]
 
 
 # ---------------------------------------------------------------- near misses

@@ -18,8 +18,9 @@ from kernel.idealise.rings import middle_angle, sheet_rings
 from kernel.idealise.sheets import Sheet, cylinder_sheet, plane_sheet
 from kernel.idealise.topology import Topology
 from kernel.segment.segments import CylinderShape, PlateShape, Segment
+from kernel.solid.charts import lift
 from kernel.solid.solid import Solid
-from kernel.solid.surfaces import CylinderSurface, Plane, Surface, signed_distance
+from kernel.solid.surfaces import Surface, signed_distance
 
 Array = NDArray[np.float64]
 Interval = tuple[float, float]
@@ -154,10 +155,4 @@ def patch_points(surface: Surface, patch: PolygonLike) -> Array:
         inner = part.representative_point()
         flat.append(np.array([[inner.x, inner.y]]))
     points = np.vstack(flat)
-    if isinstance(surface, Plane):
-        return points[:, :1] * surface.u + points[:, 1:] * surface.v + surface.offset * surface.normal
-    assert isinstance(surface, CylinderSurface)
-    axis, angle = surface.axis, points[:, :1] / surface.radius
-    return (
-        axis.point + surface.radius * (np.cos(angle) * axis.x + np.sin(angle) * axis.y) + points[:, 1:] * axis.direction
-    )
+    return lift(surface, points)

@@ -36,12 +36,37 @@ def beam_stations(parts: Parts, joint: Joint, sizes: dict[str, float]) -> None:
             for beam in beams:
                 beam.stations.append(beam.offset_of(point))
         return
+    if len(beams) == 2 and _common_end(parts, beams[0], beams[1], joint) is not None:
+        return
     for beam in beams:
         if joint.kind == "end_on" or len(beams) == 2:
-            beam.stations.append(_snapped(parts, beam, beam.offset_of(joint.centre)))
+            beam.stations.append(_foot(parts, joint, beam))
         elif joint.kind == "along":
             start, end = _extent(parts, joint, beam)
             beam.stations += [_snapped(parts, beam, start), _snapped(parts, beam, end)]
+
+
+def _foot(parts: Parts, joint: Joint, beam: Beam) -> float:
+    """Where on the beam's axis a joint holds it: its end, where that lies within a hollow or dome of the contact."""
+    offset = beam.offset_of(joint.centre)
+    surface = beam.segment.solid.surfaces.surfaces[joint.surface]
+    if joint.kind == "end_on" and not isinstance(surface, Plane | CylinderSurface):
+        for end in (beam.start, beam.end):
+            if abs(offset - end) <= 0.5 * beam.section.area**0.5:
+                return end
+    return _snapped(parts, beam, offset)
+
+
+def _common_end(parts: Parts, first: Beam, second: Beam, joint: Joint) -> tuple[float, float] | None:
+    """The offsets of the ends that two beams have at one point, next to a joint of theirs."""
+    slack = 8 * parts.topology.tolerance
+    reach = 2 * max(first.section.area, second.section.area) ** 0.5
+    for one in (first.start, first.end):
+        for other in (second.start, second.end):
+            point = first.at(one)
+            if np.linalg.norm(point - second.at(other)) <= slack and np.linalg.norm(point - joint.centre) <= reach:
+                return one, other
+    return None
 
 
 def _snapped(parts: Parts, beam: Beam, offset: float) -> float:
@@ -94,6 +119,9 @@ def beam_on_beam(meshed: Meshed, joint: Joint) -> list[Tie]:
         if not ties:
             raise ConnectError(f"{joint.id}: {first.segment.id} and {second.segment.id} have no stations side by side")
         return ties
+    common = _common_end(meshed.parts, first, second, joint)
+    if common is not None:
+        return [_rigid(joint, first.node_at(common[0]), [second.node_at(common[1])])]
     slack = 8 * meshed.parts.topology.tolerance
     ends = [beam.is_end(beam.offset_of(joint.centre), slack) for beam in (first, second)]
     leaning = [abs(beam.direction @ joint.normal) for beam in (first, second)]

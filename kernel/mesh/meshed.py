@@ -18,7 +18,7 @@ from kernel.mesh.beams import SeatedNode
 from kernel.mesh.bricks import BrickMesh, outer_faces
 from kernel.mesh.faces import CurvesByFace, FaceMesh
 from kernel.mesh.patches import SurfaceFaces, faces_on, node_areas
-from kernel.solid.surfaces import CylinderSurface, Surface
+from kernel.solid.surfaces import ConeSurface, CylinderSurface, SphereSurface, Surface, TorusSurface
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
@@ -69,8 +69,12 @@ class Meshed:
             size = self.parts.topology.carriers.reach
             surface = self.surface(joint)
             tolerance = ON_SURFACE * size
-            if isinstance(surface, CylinderSurface):
+            if isinstance(surface, CylinderSurface | SphereSurface):
                 tolerance = max(tolerance, 5e-3 * surface.radius)
+            elif isinstance(surface, TorusSurface):
+                tolerance = max(tolerance, 5e-3 * surface.minor_radius)
+            elif isinstance(surface, ConeSurface):
+                tolerance = max(tolerance, 5e-3 * float(np.sqrt(joint.area)))
             self._on[key] = faces_on(surface, self._outer[name], self.points, tolerance)
             if not self._on[key].corners:
                 raise ConnectError(f"{name} has no element face on the surface of its joint {joint.id}")

@@ -9,23 +9,13 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from kernel.solid.surfaces import CylinderSurface, Plane, Surface, signed_distance
+from kernel.solid.charts import flat_faces
+from kernel.solid.surfaces import Surface, signed_distance
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
 _GAUSS = 1 / np.sqrt(3)
-
-
-def flatten(surface: Surface, points: Array) -> Array:
-    """Points (n, 3) in the coordinates of joints' patches: (x.u, x.v), or (radius * angle, z) within +-half a turn."""
-    if isinstance(surface, Plane):
-        return np.stack([points @ surface.u, points @ surface.v], axis=1)
-    assert isinstance(surface, CylinderSurface)
-    axis = surface.axis
-    relative = points - axis.point
-    angle = np.arctan2(relative @ axis.y, relative @ axis.x)
-    return np.stack([surface.radius * angle, relative @ axis.direction], axis=1)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -56,22 +46,12 @@ def faces_on(surface: Surface, groups: Sequence[Indices], points: Array, toleran
             continue
         used, place = np.unique(group, return_inverse=True)
         on = np.abs(signed_distance(surface, points[used])) <= tolerance
-        at = flatten(surface, points[used])
-        place = place.reshape(group.shape)
-        for row in np.nonzero(on[place].all(axis=1))[0]:
-            corners.append(group[row])
-            flat.append(_unbroken(surface, at[place[row]]))
+        rows = group[on[place.reshape(group.shape)].all(axis=1)]
+        unbroken, shown = flat_faces(surface, points[rows])
+        corners += list(rows[shown])
+        flat += list(unbroken[shown])
     polygons = np.array([shapely.Polygon(face) for face in flat], dtype=object)
     return SurfaceFaces(surface, tuple(corners), tuple(flat), polygons, shapely.STRtree(polygons))
-
-
-def _unbroken(surface: Surface, flat: Array) -> Array:
-    """A face's corners without a jump where it crosses the angle +-pi."""
-    if isinstance(surface, CylinderSurface):
-        turn = 2 * np.pi * surface.radius
-        flat = flat.copy()
-        flat[:, 0] -= turn * np.round((flat[:, 0] - flat[0, 0]) / turn)
-    return flat
 
 
 def shape_functions(corners: Array, point: Array) -> Array:

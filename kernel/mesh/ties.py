@@ -14,7 +14,8 @@ from kernel.idealise.parts import Parts
 from kernel.idealise.walls import Wall
 from kernel.mesh.beam_ties import beam_on_beam, beam_on_brick, beam_on_wall
 from kernel.mesh.meshed import Meshed, average, edge_nodes
-from kernel.mesh.patches import SurfaceFaces, flatten, host_of
+from kernel.mesh.patches import SurfaceFaces, host_of
+from kernel.solid.charts import flatten
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]

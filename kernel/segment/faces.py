@@ -13,7 +13,7 @@ from shapely import MultiPolygon, Polygon
 
 from kernel.segment.slices import SNAP, parts_of
 from kernel.solid.section import face_polygon
-from kernel.solid.surfaces import Axis, CylinderSurface, Plane
+from kernel.solid.surfaces import Axis, CylinderSurface, FacetedSurface, Plane, outward
 
 if TYPE_CHECKING:
     from kernel.solid.solid import Facets, Solid
@@ -25,7 +25,7 @@ class Faces:
     """Faces of one solid by surface id and side, polygons made when first asked for.
 
     side: +1 where the outward normal runs with the surface's own (plane's normal; away from the cylinder's axis),
-    -1 where it runs against it.
+    -1 where it runs against it; likewise away from a cone's axis, a sphere's centre, the middle of a torus's tube.
     """
 
     def __init__(self, solid: Solid) -> None:
@@ -76,20 +76,22 @@ def faces_of(solid: Solid) -> Faces:
 
 
 def _sides(facets: Facets, surfaces: list) -> NDArray[np.int64]:
-    """(m,) +1, -1, or 0 for triangles that are on no plane and no cylinder."""
+    """(m,) +1, -1, or 0 for triangles on a surface without an analytic form."""
     sides = np.zeros(len(facets.triangles), np.int64)
     order = np.argsort(facets.surface, kind="stable")
     ids, first = np.unique(facets.surface[order], return_index=True)
     for index, own in zip(ids, np.split(order, first[1:])):
         surface = surfaces[index]
         if isinstance(surface, Plane):
-            outward = facets.normals[own] @ surface.normal
+            along = facets.normals[own] @ surface.normal
         elif isinstance(surface, CylinderSurface):
             arm = facets.centroids[own] - surface.axis.point
-            outward = np.einsum("ij,ij->i", arm, facets.normals[own])
-        else:
+            along = np.einsum("ij,ij->i", arm, facets.normals[own])
+        elif isinstance(surface, FacetedSurface):
             continue
-        sides[own] = np.where(outward > 0.0, 1, -1)
+        else:
+            along = np.einsum("ij,ij->i", outward(surface, facets.centroids[own]), facets.normals[own])
+        sides[own] = np.where(along > 0.0, 1, -1)
     return sides
 
 
@@ -136,6 +138,11 @@ def _shifted(region: Region, turns: int) -> Region:
     )
 
 
+def _sound(region: Region) -> Region:
+    """The region without the self-contacts that rounding left in its rings."""
+    return region if region.is_valid else shapely.make_valid(region, method="structure", keep_collapsed=False)
+
+
 def _within_a_turn(region: Region) -> Region:
     """A region in (angle, z) brought within -pi..pi."""
     left, bottom, right, top = region.bounds
@@ -148,12 +155,15 @@ def _within_a_turn(region: Region) -> Region:
         return region
     height = top - bottom
     window = shapely.box(-HALF_TURN, bottom - height, HALF_TURN, top + height)
-    return shapely.multipolygons(parts_of(shapely.union_all(copies).intersection(window)))
+    grid = SNAP * max(height, TURN)
+    whole = shapely.union_all([_sound(copy) for copy in copies], grid_size=grid)
+    return shapely.multipolygons(parts_of(shapely.intersection(whole, window, grid_size=grid)))
 
 
 def _three_turns(region: Region) -> Region:
     """The region glued to its copies on either side."""
-    return shapely.union_all([_shifted(region, turns) for turns in (-1, 0, 1)])
+    copies = [_sound(_shifted(region, turns)) for turns in (-1, 0, 1)]
+    return shapely.union_all(copies)
 
 
 def periodic_holes(region: Region) -> list[Polygon]:
