@@ -1,6 +1,6 @@
 """Seconds to read an OpenSCAD file of N leaves (default 10,000): median of 5.
 
-    python bench/read.py [LEAVES]
+python bench/read.py [LEAVES]
 """
 
 from __future__ import annotations

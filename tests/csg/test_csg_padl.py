@@ -219,8 +219,7 @@ def test_angles_are_degrees_and_exact_where_they_can_be():
     [
         (
             "A = BLOC(1, 2, 3)",
-            "m.csg:1:5: unknown primitive 'BLOC', expected BLO, CYL, WED, CON, SPH or TOR, "
-            "did you mean 'BLO'?",
+            "m.csg:1:5: unknown primitive 'BLOC', expected BLO, CYL, WED, CON, SPH or TOR, did you mean 'BLO'?",
         ),
         ("A = BLO(1, 2, 3", "m.csg:1:8: '(' is never closed, expected ')'"),
         ("A = BLO(1, 2, 3))", "m.csg:1:17: ')' closes nothing, expected its opening bracket before it"),
