@@ -11,17 +11,19 @@ The walk judges nothing: `decide` does (see plan.py). It records every question 
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 import shapely
 from shapely import STRtree
+from shapely.errors import GEOSException
 
 from kernel import describe
 from kernel.csg.tree import walk
-from kernel.errors import DefectError, RuleError
+from kernel.errors import DefectError, MeshError, RuleError
 from kernel.facts import TIERS, Facts
 from kernel.plan import Conclusion, Decide, Decision, Need, Override, Plan
 from kernel.segment.assign import UnfitError, drafts_as_one, drafts_of_walls
@@ -79,6 +81,18 @@ def partition(
     return Partition(segments, Plan(outcome.decisions, overrides))
 
 
+@contextmanager
+def _named(path: str) -> Iterator[None]:
+    """What areas refuse, said of the node at `path`."""
+    try:
+        yield
+    except GEOSException as refusal:
+        raise MeshError(
+            f"{path}: its faces cannot be joined as areas ({refusal}); expected faces that either coincide or are "
+            "further apart than rounding"
+        ) from None
+
+
 @dataclass(eq=False)
 class _Walk:
     evaluated: Evaluated
@@ -91,7 +105,14 @@ class _Walk:
     # ---- asking
 
     def settle(self, piece: Piece) -> Outcome:
-        """The piece decided, by override or by rule, and what follows from it carried out."""
+        """The piece decided, by override or by rule, and what follows from it carried out.
+
+        MeshError: faces of it that are too finely interlocked for their areas to be joined or compared.
+        """
+        with _named(piece.path):
+            return self._settled(piece)
+
+    def _settled(self, piece: Piece) -> Outcome:
         facts, by_rule = self.ask(piece)
         pinned, below = self.pins.of(piece.operand), self.pins.below(piece.operand)
         override = pinned[1] if pinned else None
@@ -297,7 +318,8 @@ def _numbered(drafts: Sequence[Draft], evaluated: Evaluated) -> tuple[Segment, .
 
     segments = []
     for number, draft in enumerate(sorted(drafts, key=order), 1):
-        shape, holes = shape_of(draft)
+        with _named(draft.path):
+            shape, holes = shape_of(draft)
         segments.append(
             Segment(
                 id=f"s{number}",

@@ -5,9 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from assembling import RULES, WHOLE, assembled, audit, rod, turned, union
+from shapely.errors import GEOSException
 
 from kernel.connect.contacts import find_joints
 from kernel.csg.reader import read_model
+from kernel.errors import MeshError
 from kernel.segment.partition import partition
 from kernel.solid.charts import POLE, cover, flat_faces, flatten, lift
 from kernel.solid.evaluate import evaluate
@@ -79,3 +81,19 @@ def test_three_rods_from_one_point_are_tied_there():
     assert (found.components, found.free) == (WHOLE.components, WHOLE.free)
     ends = [len(np.unique([*tie.dependent, *tie.independent])) for tie in assembly.ties]
     assert set(ends) == {2}
+
+
+def test_pipes_one_inside_the_other_are_partitioned_whatever_rounding_leaves_in_their_faces():
+    outer, inner = ("(CYL(R=50, H=300) DIF CYL(R=47, H=300))", "(CYL(R=47, H=300) DIF CYL(R=44, H=300))")
+    evaluated = evaluate(read_model(f"UNITS mm\nM = {outer} UN ({inner} AT (MOVZ=250))\n", "test"))
+    segments = partition(evaluated, RULES.decide, {}).segments
+    assert [joint.kind for joint in find_joints(segments, evaluated)] == ["pipe"]
+
+
+def test_areas_that_cannot_be_joined_are_an_error_that_names_the_node(monkeypatch):
+    def refuse(*_):
+        raise GEOSException("side location conflict")
+
+    monkeypatch.setattr("kernel.segment.partition.shape_of", refuse)
+    with pytest.raises(MeshError, match=r"^/.*faces cannot be joined as areas"):
+        partition(evaluate(read_model("UNITS mm\nM = BLO(90, 90, 90)\n", "test")), RULES.decide, {})
