@@ -42,6 +42,9 @@ NEAR_MISS = 1e-3
 END_ON = 0.9
 """A beam meets a face with its end where the face's normal leans on its axis by more than this cosine."""
 
+END_IN = 0.4
+"""The same on cones, spheres and tori, which no beam lies along: it ends in them, or they sit around it."""
+
 
 @dataclass(slots=True, eq=False)
 class _Face:
@@ -200,7 +203,9 @@ def _kind(pair: tuple[Segment, Segment], surface: int, normal: Array, centre: Ar
     """One of joints.JOINT_KINDS."""
     beams = [segment.shape for segment in pair if isinstance(segment.shape, BeamShape)]
     if beams:
-        return "end_on" if any(abs(beam.direction @ normal) > END_ON for beam in beams) else "along"
+        is_ruled = isinstance(pair[0].solid.surfaces.surfaces[surface], Plane | CylinderSurface)
+        least = END_ON if is_ruled else END_IN
+        return "end_on" if any(abs(beam.direction @ normal) > least for beam in beams) else "along"
     if any(isinstance(segment.shape, BrickShape) for segment in pair):
         return "face"
     if any(isinstance(segment.shape, CylinderShape) for segment in pair):

@@ -195,7 +195,9 @@ def beam_on_brick(meshed: Meshed, joint: Joint, beam: Beam, brick: str) -> list[
 
 
 def _slice(surface: Surface, patch: shapely.Geometry, direction: Array, low: float, high: float) -> shapely.Geometry:
-    """The part of a planar patch with low <= x . direction <= high."""
+    """The part of a planar or cylindrical patch with low <= x . direction <= high; all of any other."""
+    if not isinstance(surface, Plane | CylinderSurface):
+        return patch
     if isinstance(surface, CylinderSurface):
         if abs(surface.axis.direction @ direction) < PARALLEL:
             return patch
