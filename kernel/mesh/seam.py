@@ -89,6 +89,14 @@ def ring_windings(region: Region, after: NDArray[np.int64]) -> list[tuple[NDArra
     return rings
 
 
+def free_ends(region: Region) -> NDArray[np.int64]:
+    """The points of ends that nothing hangs on: a seam may begin at any of them, since it meets an end only once."""
+    degree = np.bincount(region.edges.ravel(), minlength=len(region.points))
+    after, _ = follow_boundary(region)
+    free = [ring for ring, turns in ring_windings(region, after) if turns != 0 and (degree[ring] == 2).all()]
+    return np.concatenate([np.empty(0, np.int64), *free])
+
+
 def _straight_seam(
     region: Region, bottom: NDArray[np.int64], top: NDArray[np.int64], size: float, is_candidate: NDArray[np.bool_]
 ) -> Step | None:

@@ -18,7 +18,7 @@ from kernel.mesh.cut import CutRegion, cut_open
 from kernel.mesh.mixed import mixed_mesh
 from kernel.mesh.quads import coarse_edges, quad_mesh, smooth
 from kernel.mesh.region import Region, RegionMesh
-from kernel.mesh.seam import BRIDGE, Step, find_seam
+from kernel.mesh.seam import BRIDGE, Step, find_seam, free_ends
 from kernel.mesh.triangles import triangle_mesh
 
 _BAND = 3
@@ -36,6 +36,7 @@ def periodic_mesh(region: Region, size: float, faces: str) -> RegionMesh:
         edges = edges_of(region)
         coarse = coarse_edges(points, edges, dominant_cross(points, edges, region.is_curved))
         is_candidate[coarse[:, 2]] = False
+        is_candidate[free_ends(region)] = True
     seeded, seam = _seed_seam(region, find_seam(region, size, is_candidate), size, faces)
     cut = cut_open(seeded, seam)
     if faces == "quad":

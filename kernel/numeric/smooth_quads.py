@@ -62,7 +62,7 @@ def _corner_ratio(ax, ay, bx, by, cx, cy):
 
 
 @compiled
-def _corner_shape(ax, ay, bx, by, cx, cy):
+def corner_shape(ax, ay, bx, by, cx, cy):
     """The smaller of the corner's sine and _RATIO_WEIGHT times its mean ratio."""
     ux = cx - bx
     uy = cy - by
@@ -133,9 +133,9 @@ def worst_shape_about(nodes, quads, offset, incidence, v, x, y):
         by = nodes[b, 1]
         cx = nodes[c, 0]
         cy = nodes[c, 1]
-        worst = min(worst, _corner_shape(cx, cy, x, y, ax, ay))
-        worst = min(worst, _corner_shape(x, y, ax, ay, bx, by))
-        worst = min(worst, _corner_shape(bx, by, cx, cy, x, y))
+        worst = min(worst, corner_shape(cx, cy, x, y, ax, ay))
+        worst = min(worst, corner_shape(x, y, ax, ay, bx, by))
+        worst = min(worst, corner_shape(bx, by, cx, cy, x, y))
     return worst
 
 

@@ -87,6 +87,19 @@ def test_a_bare_pipe_is_meshed_in_squares() -> None:
     assert scaled_jacobian(mesh, PERIOD).min() >= 0.95
 
 
+@pytest.mark.parametrize("turn", [0.0, 0.25, 0.5])
+def test_a_short_band_with_a_hole_stands_upright_far_from_the_hole(turn: float) -> None:
+    n = 48
+    x = np.arange(n, dtype=float)
+    rings = [np.column_stack([x, 0 * x]), np.column_stack([(x[::-1] + 1) % n, 0 * x + 6]), hole(24 + turn, 3, 1.2, 0.5)]
+    band = region(rings, (2,), period=float(n))
+    mesh = mesh_region(band, 1.0)
+    assert_meshes(band, mesh)
+    quality = scaled_jacobian(mesh, float(n))
+    middle = mesh.points[mesh.quads][:, 0, 0]
+    assert quality[(middle < 10) | (middle > 38)].min() > 0.99
+
+
 def test_a_short_ring_of_few_elements_meshes() -> None:
     plane = pipe([], size=40.0, height=60.0)
     assert_meshes(plane, mesh_region(plane, 40.0))
