@@ -155,9 +155,13 @@ def _within_a_turn(region: Region) -> Region:
         return region
     height = top - bottom
     window = shapely.box(-HALF_TURN, bottom - height, HALF_TURN, top + height)
-    grid = SNAP * max(height, TURN)
-    whole = shapely.union_all([_sound(copy) for copy in copies], grid_size=grid)
-    return shapely.multipolygons(parts_of(shapely.intersection(whole, window, grid_size=grid)))
+    try:  # exact, so that the two sides of the cut fit one another when they are glued again
+        whole = shapely.union_all(copies).intersection(window)
+    except shapely.errors.GEOSException:
+        grid = SNAP * max(height, TURN)
+        whole = shapely.union_all([_sound(copy) for copy in copies], grid_size=grid)
+        whole = shapely.intersection(whole, window, grid_size=grid)
+    return shapely.multipolygons(parts_of(whole))
 
 
 def _three_turns(region: Region) -> Region:
