@@ -148,7 +148,8 @@ def place_lattice(points, start, end, kind, size, angle, origin_x, origin_y):
     inner = np.empty((n_apex + most_lattice, 2))
     m = 0
     for i in range(n_point, n):
-        inner[m] = nodes[i]
+        inner[m, 0] = nodes[i, 0]
+        inner[m, 1] = nodes[i, 1]
         m += 1
     node2 = (_NODE_CLEARANCE * size) ** 2
     edge2 = (_EDGE_CLEARANCE * size) ** 2

@@ -236,7 +236,7 @@ def smooth_quads(
                 for j in range(4):
                     is_active[quads[i, j]] = 1
     active = np.empty(n_node, np.int32)
-    n_active = 0
+    n_active = np.int64(0)
     for v in range(n_node):
         if is_active[v] != 0 and is_fixed[v] == 0 and offset[v + 1] > offset[v]:
             active[n_active] = v

@@ -48,7 +48,7 @@ def _relax(nodes, quads, local, n_local, hexagon, is_fixed):
     """Pattern search of the hexagon's free nodes on the worst corner shape about each, in place."""
     for _ in range(_ROUNDS):
         for k in range(6):
-            v = hexagon[k]
+            v = np.int64(hexagon[k])
             if is_fixed[v] != 0:
                 continue
             best = _worst_local(nodes, quads, local, n_local, v)
@@ -120,7 +120,7 @@ def turn_edges(nodes, quads, is_fixed, under, most):
             hexagon[3] = b
             hexagon[4] = c
             hexagon[5] = d
-            n_local = 0
+            n_local = np.int64(0)
             is_free = True
             for m in range(6):
                 v = hexagon[m]
@@ -140,14 +140,14 @@ def turn_edges(nodes, quads, is_fixed, under, most):
                         n_local += 1
             if not is_free:
                 continue
-            before = _worst_local(nodes, quads, local, n_local, -1)
+            before = _worst_local(nodes, quads, local, n_local, np.int64(-1))
             for way in range(2):
                 turned = (a, e, c, d, e, f, b, c) if way == 0 else (f, b, c, d, a, e, f, d)
                 for m in range(4):
                     quads[i, m] = turned[m]
                     quads[k, m] = turned[m + 4]
                 _relax(nodes, quads, local, n_local, hexagon, is_fixed)
-                after = _worst_local(nodes, quads, local, n_local, -1)
+                after = _worst_local(nodes, quads, local, n_local, np.int64(-1))
                 if after > before + gain:
                     gain = after - before
                     kept_k = k
