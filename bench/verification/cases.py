@@ -230,7 +230,7 @@ def hole() -> Iterator[Row]:
         f"PLATE = BLO(240, {width}, {thickness}) DIF "
         f"(CYL({diameter / 2}, {3 * thickness}) AT (MOVX=120, MOVY={width / 2}, MOVZ={-thickness}))\nOUT PLATE\n"
     )
-    for representation, size in (("plate", 5.0), ("brick", 5.0)):
+    for representation, size in (("plate", 2.5), ("brick", 5.0)):
         model = built(text, (("/", representation),), size=size, order=2).model
         nodes = model.mesh.nodes
         held = held_at(model, at(0, 0), "1")
