@@ -1,4 +1,4 @@
-"""Seconds and peak memory of deciding and splitting, for the models whose size users ask about.
+"""CPU seconds and peak memory of deciding and splitting, for the models whose size users ask about.
 
     python bench/segments.py [NAME...]          all, or some of: lattice overlap egg_crate holes corpus rules
 
@@ -90,15 +90,15 @@ def drilled(n: int) -> CsgModel:
 
 
 def segmented(csg: CsgModel) -> dict[str, object]:
-    """Seconds of each stage, and what came out."""
+    """CPU seconds of each stage, and what came out."""
     base = load_rule_base()
-    marks = [time.perf_counter()]
+    marks = [time.process_time()]
     evaluated = evaluate(csg)
-    marks.append(time.perf_counter())
+    marks.append(time.process_time())
     parts = partition(evaluated, base.decide, {})
-    marks.append(time.perf_counter())
+    marks.append(time.process_time())
     joints = find_joints(parts.segments, evaluated)
-    marks.append(time.perf_counter())
+    marks.append(time.process_time())
     seconds = dict(zip(("evaluate", "segment", "joints"), np.diff(marks).round(3).tolist()))
     types = Counter(segment.type for segment in parts.segments)
     return {"operands": len(csg.root.operands), **seconds, "segments": dict(types), "n_joint": len(joints)}
