@@ -1,7 +1,8 @@
 """Quads with few triangles, on any valid division of a region's curves: what all quads cannot do, this can.
 
 A square front at the size itself, a constrained triangulation, and triangles merged in pairs where that makes a good
-quad. Triangles stay where curves have an odd number of edges, or lie nearer to each other than their edges are long.
+quad. Triangles stay where curves have an odd number of edges, or lie nearer to each other than their edges are long;
+their nodes stay where they are while the quads are smoothed.
 """
 
 from __future__ import annotations
@@ -12,6 +13,7 @@ from numpy.typing import NDArray
 from kernel.mesh.constrained import Triangulation, constrained, edges_of
 from kernel.mesh.cross import dominant_cross, grow, growth_order
 from kernel.mesh.region import Region, RegionMesh
+from kernel.mesh.smoothing import smooth_and_mend
 from kernel.mesh.triangles import compact
 from kernel.numeric.match import match_triangles
 from kernel.numeric.smooth_triangles import active_nodes, smooth_triangles
@@ -38,10 +40,13 @@ def mixed_mesh(region: Region, size: float) -> RegionMesh:
     active = active_nodes(nodes, len(nodes), corner, leaving, n_triangle, is_fixed, _SMOOTH_UNDER)
     smooth_triangles(nodes, *triangulation.half_edges, active, 4, _GOOD_ENOUGH)
     quads, triangles = merged(nodes, triangulation)
+    is_held = np.arange(len(nodes)) < n_point
+    is_held[triangles] = True
+    smooth_and_mend(nodes, quads, is_held)
     return compact(nodes, n_point, quads, triangles)
 
 
-def merged(nodes: NDArray[np.float64], triangulation: Triangulation) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+def merged(nodes: NDArray[np.float64], triangulation: Triangulation) -> tuple[NDArray[np.int32], NDArray[np.int64]]:
     """Quads of the triangles that pair well, and the triangles left."""
     corner, twin, lock, _ = triangulation.half_edges
     n_triangle = triangulation.n_triangle
@@ -57,6 +62,6 @@ def merged(nodes: NDArray[np.float64], triangulation: Triangulation) -> tuple[ND
             corner[f + following[f % 3]],
             corner[f - 1 + 3 * (f % 3 == 0)],
         ]
-    ).astype(np.int64)
+    ).astype(np.int32)
     triangles = corner[: 3 * n_triangle].reshape(-1, 3)[mate < 0].astype(np.int64)
     return quads, triangles

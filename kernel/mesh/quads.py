@@ -15,25 +15,15 @@ from kernel.mesh.cross import dominant_cross, grow, growth_order
 from kernel.mesh.mixed import mixed_mesh
 from kernel.mesh.region import Region, RegionMesh
 from kernel.mesh.repair import repaired
+from kernel.mesh.smoothing import smooth_and_mend
 from kernel.mesh.triangles import compact
 from kernel.numeric.coarsen import pair_edges
 from kernel.numeric.match import match_triangles
-from kernel.numeric.smooth_quads import smooth_quads
 from kernel.numeric.split import given_middles, midpoint_split
-from kernel.numeric.turn_edges import turn_edges
 
 _LEAST_PAIR = 0.65
 """Scaled Jacobian under which a pair of triangles is left as two triangles, each cut in three quads."""
 _PATH_DEPTH = 8
-_SMOOTHING = (4, 3, 4, 0.97, 0.85, 0.9, 0.8, 2)
-_AFTER_MENDING = (2, 3, 4, 0.8, 0.85, 0.9, 0.8, 1)
-"""n_pass, n_bisect, n_search, active_under, good_enough, bisect_under, search_under and n_ring of smooth_quads, found
-by trial on plates with holes."""
-_MENDINGS = 3
-_MEND_UNDER = 0.77
-"""Quads under this are mended by turning edges, which helps where too many meet in a node."""
-_MOST_MENDED = 100
-"""Tried in one go, so that a region full of narrow gaps does not cost minutes."""
 _SMALL_RING = 4
 """A hole of so few coarse edges is a square in the coarse mesh and is given a ring of quads of its own."""
 
@@ -91,16 +81,6 @@ def quad_mesh(region: Region, size: float, is_vertex: NDArray[np.bool_] | None =
     middle_of = given_middles(corner, twin, leaving, coarse.start, coarse.end, middles, n_triangle)
     node_of = np.concatenate([kept, np.arange(n_point, n_point + len(nodes) - len(kept), dtype=np.int32)])
     nodes, quads = midpoint_split(nodes, points, node_of, corner, twin, mate, middle_of, n_triangle)
-    is_fixed = (np.arange(len(nodes)) < n_point).astype(np.uint8)
-    smooth_quads(nodes, quads, is_fixed, *_SMOOTHING)
-    for _ in range(_MENDINGS):
-        if turn_edges(nodes, quads, is_fixed, _MEND_UNDER, _MOST_MENDED) == 0:
-            break
-        smooth_quads(nodes, quads, is_fixed, *_AFTER_MENDING)
+    smooth_and_mend(nodes, quads, np.arange(len(nodes)) < n_point)
     mesh = compact(nodes, n_point, quads, np.empty((0, 3), np.int64))
     return repaired(mesh, region, size)
-
-
-def smooth(nodes: NDArray[np.float64], quads: NDArray[np.integer], is_fixed: NDArray[np.bool_]) -> None:
-    """Smooth the free nodes, in place."""
-    smooth_quads(nodes, np.ascontiguousarray(quads, np.int32), is_fixed.astype(np.uint8), *_SMOOTHING)

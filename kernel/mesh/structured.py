@@ -56,7 +56,7 @@ def structured_mesh(region: Region, size: float) -> RegionMesh | None:
     if mesh is None:
         return None
     if region.period is None and _worst(mesh, None) < _SMOOTH_UNDER:
-        from kernel.mesh.quads import smooth
+        from kernel.mesh.smoothing import smooth
 
         smooth(mesh.points, mesh.quads, np.arange(len(mesh.points)) < len(region.points))
     return mesh if _worst(mesh, region.period) >= _LEAST_QUALITY else None

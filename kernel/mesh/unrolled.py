@@ -16,9 +16,10 @@ from kernel.mesh.constrained import edges_of
 from kernel.mesh.cross import dominant_cross
 from kernel.mesh.cut import CutRegion, cut_open
 from kernel.mesh.mixed import mixed_mesh
-from kernel.mesh.quads import coarse_edges, quad_mesh, smooth
+from kernel.mesh.quads import coarse_edges, quad_mesh
 from kernel.mesh.region import Region, RegionMesh
 from kernel.mesh.seam import BRIDGE, Step, find_seam, free_ends
+from kernel.mesh.smoothing import smooth
 from kernel.mesh.triangles import triangle_mesh
 
 _BAND = 3

@@ -6,7 +6,7 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from kernel.mesh.quads import smooth
+from kernel.mesh.smoothing import smooth
 from kernel.numeric.match import quad_scaled_jacobian
 from kernel.numeric.smooth_quads import quad_sines
 
