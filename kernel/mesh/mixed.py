@@ -28,7 +28,7 @@ _GOOD_ENOUGH = 0.7
 
 def mixed_mesh(region: Region, size: float) -> RegionMesh:
     """Quads and triangles; the region's edges kept. MeshError where edges cross or points coincide."""
-    points = np.ascontiguousarray(region.points, dtype=np.float64)
+    points = np.array(region.points, dtype=np.float64, order="C")
     n_point = len(points)
     edges = edges_of(region)
     order = growth_order(n_point, edges, region.is_curved)

@@ -53,7 +53,7 @@ def quad_mesh(region: Region, size: float, is_vertex: NDArray[np.bool_] | None =
 
     is_vertex: (n_point,) points that stay nodes of the coarse mesh, beside those where curves meet.
     """
-    points = np.ascontiguousarray(region.points, dtype=np.float64)
+    points = np.array(region.points, dtype=np.float64, order="C")
     n_point = len(points)
     edges = edges_of(region)
     cross = dominant_cross(points, edges, region.is_curved)

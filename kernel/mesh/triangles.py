@@ -39,7 +39,7 @@ def _lattice_frame(points: NDArray[np.float64], edges: Edges, size: float) -> tu
 
 def triangle_mesh(region: Region, size: float) -> RegionMesh:
     """All triangles; the region's edges kept. MeshError where edges cross or points coincide."""
-    points = np.ascontiguousarray(region.points, dtype=np.float64)
+    points = np.array(region.points, dtype=np.float64, order="C")
     n_point = len(points)
     edges = edges_of(region)
     placed = place_lattice(points, *edges.arrays, float(size), *_lattice_frame(points, edges, size))

@@ -33,7 +33,7 @@ def periodic_mesh(region: Region, size: float, faces: str) -> RegionMesh:
     is_candidate[region.edges.ravel()] = True
     if faces == "quad":
         # only points that are coarse nodes: the seam leaves an even number of edges between where it meets a ring
-        points = np.ascontiguousarray(region.points)
+        points = np.array(region.points, dtype=np.float64, order="C")
         edges = edges_of(region)
         coarse = coarse_edges(points, edges, dominant_cross(points, edges, region.is_curved))
         is_candidate[coarse[:, 2]] = False

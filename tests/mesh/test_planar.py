@@ -262,3 +262,19 @@ def test_values_without_sense_are_refused() -> None:
     )
     with pytest.raises(MeshError, match="nan"):
         mesh_region(broken, 1.0)
+
+
+@pytest.mark.parametrize("faces", ["quad", "tri", "mixed"])
+def test_read_only_strided_or_narrow_arrays_give_the_same_mesh_and_compile_nothing(faces: str) -> None:
+    from kernel.numeric.triangulation import triangulate
+
+    plate = plate_with_holes(5.0)
+    expected = mesh_region(plate, 5.0, faces)
+    points = np.asfortranarray(np.repeat(plate.points, 2, axis=0))[::2]
+    edges = plate.edges.astype(np.int32)
+    for array in (points, edges):
+        array.flags.writeable = False
+    mesh = mesh_region(Region(points, edges, plate.is_boundary, plate.is_curved), 5.0, faces)
+    np.testing.assert_array_equal(mesh.points, expected.points)
+    assert mesh.quads.dtype == mesh.triangles.dtype == np.int64
+    assert len(triangulate.signatures) == 1
