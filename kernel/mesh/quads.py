@@ -51,13 +51,29 @@ def coarse_edges(
 def quad_mesh(region: Region, size: float, is_vertex: NDArray[np.bool_] | None = None) -> RegionMesh:
     """All quads; the region's edges kept. MeshError where edges cross or a chain has an odd number of edges.
 
-    is_vertex: (n_point,) points that stay nodes of the coarse mesh, beside those where curves meet.
+    is_vertex: (n_point,) points that stay nodes of the coarse mesh, beside those where curves meet. Where curves
+    nearly touch, or few edges close a loop, the coarse mesh cannot hold them all: then quads with few triangles.
     """
     points = np.array(region.points, dtype=np.float64, order="C")
-    n_point = len(points)
     edges = edges_of(region)
     cross = dominant_cross(points, edges, region.is_curved)
     pairs = coarse_edges(points, edges, cross, is_vertex)
+    mesh = _split_coarse(points, edges, region.is_curved, size, cross, pairs)
+    if mesh is None:
+        mesh = mixed_mesh(region, size)
+    return repaired(mesh, region, size)
+
+
+def _split_coarse(
+    points: NDArray[np.float64],
+    edges: Edges,
+    is_curved: NDArray[np.bool_],
+    size: float,
+    cross: tuple[float, float, float],
+    pairs: NDArray[np.int32],
+) -> RegionMesh | None:
+    """The coarse mesh split and smoothed, None where chords of the pairs cross or two pairs share their chord."""
+    n_point = len(points)
     is_kept = np.ones(n_point, np.bool_)
     is_kept[pairs[:, 2]] = False
     kept = np.flatnonzero(is_kept).astype(np.int32)
@@ -68,19 +84,22 @@ def quad_mesh(region: Region, size: float, is_vertex: NDArray[np.bool_] | None =
         edges.kind[pairs[:, 3]],
     )
     is_small_ring = (pairs[:, 5] > 0) & (pairs[:, 5] <= _SMALL_RING)
-    order = growth_order(len(kept), coarse, region.is_curved[pairs[:, 3]], is_small_ring)
+    order = growth_order(len(kept), coarse, is_curved[pairs[:, 3]], is_small_ring)
     nodes = grow(points[kept], coarse, order, 2 * size, cross)
     try:
         triangulation = constrained(nodes, len(kept), coarse, 0)
-    except MeshError:  # chords of the coarse mesh cross where curves nearly touch; the region itself may be sound
-        return repaired(mixed_mesh(region, size), region, size)
+    except MeshError:
+        return None
     corner, twin, lock, leaving = triangulation.half_edges
     n_triangle = triangulation.n_triangle
-    mate = match_triangles(nodes, corner, twin, lock, n_triangle, _LEAST_PAIR, _PATH_DEPTH)
     middles = np.ascontiguousarray(pairs[:, 2])
     middle_of = given_middles(corner, twin, leaving, coarse.start, coarse.end, middles, n_triangle)
+    is_used = is_kept.copy()
+    is_used[middle_of[middle_of >= 0]] = True
+    if not is_used.all():
+        return None
+    mate = match_triangles(nodes, corner, twin, lock, n_triangle, _LEAST_PAIR, _PATH_DEPTH)
     node_of = np.concatenate([kept, np.arange(n_point, n_point + len(nodes) - len(kept), dtype=np.int32)])
     nodes, quads = midpoint_split(nodes, points, node_of, corner, twin, mate, middle_of, n_triangle)
     smooth_and_mend(nodes, quads, np.arange(len(nodes)) < n_point)
-    mesh = compact(nodes, n_point, quads, np.empty((0, 3), np.int64))
-    return repaired(mesh, region, size)
+    return compact(nodes, n_point, quads, np.empty((0, 3), np.int64))

@@ -278,3 +278,36 @@ def test_read_only_strided_or_narrow_arrays_give_the_same_mesh_and_compile_nothi
     np.testing.assert_array_equal(mesh.points, expected.points)
     assert mesh.quads.dtype == mesh.triangles.dtype == np.int64
     assert len(triangulate.signatures) == 1
+
+
+@pytest.mark.parametrize("n", [3, 4, 5, 6, 8])
+@pytest.mark.parametrize("faces", ["quad", "mixed", "tri"])
+def test_holes_of_very_few_seeds_mesh(n: int, faces: str) -> None:
+    t = -2 * np.pi * np.arange(n) / n
+    plane = region([rectangle(10, 10, 1), np.column_stack([5 + 0.7 * np.cos(t), 5 + 0.7 * np.sin(t)])], (1,))
+    if faces == "quad" and n % 2:
+        with pytest.raises(MeshError, match="odd number"):
+            mesh_region(plane, 1.0, faces)
+        return
+    assert_meshes(plane, mesh_region(plane, 1.0, faces))
+
+
+@pytest.mark.parametrize("faces", ["quad", "mixed", "tri"])
+@pytest.mark.parametrize("n", [4, 6, 8])
+def test_regions_without_room_for_an_inner_node_mesh(n: int, faces: str) -> None:
+    t = 2 * np.pi * np.arange(n) / n
+    plane = region([np.column_stack([np.cos(t), np.sin(t)])])
+    assert_meshes(plane, mesh_region(plane, 1.0, faces))
+    ell = region([np.array([(0, 0), (2, 0), (2, 1), (1, 1), (1, 2), (0, 2.0)])])
+    assert_meshes(ell, mesh_region(ell, 1.0, faces))
+
+
+def test_an_imprinted_lens_of_two_short_curves_keeps_all_its_edges() -> None:
+    outer = rectangle(12, 12, 1)
+    n = len(outer)
+    lens = np.array([(5.0, 6.0), (7.0, 6.0), (6.0, 6.6), (6.0, 5.4)])
+    imprint = [(n, n + 2), (n + 2, n + 1), (n, n + 3), (n + 3, n + 1)]
+    edges = np.concatenate([np.column_stack([np.arange(n), np.roll(np.arange(n), -1)]), imprint])
+    plane = Region(np.concatenate([outer, lens]), edges, np.arange(len(edges)) < n, np.zeros(len(edges), bool))
+    for faces in ("quad", "mixed", "tri"):
+        assert_meshes(plane, mesh_region(plane, 1.0, faces))
