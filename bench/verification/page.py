@@ -18,8 +18,8 @@ EXPLANATIONS = {
     "pipes": "CalculiX's PIPE section has the same limit: its shear flexibility is too small, which a pipe as short as "
     "four diameters shows.",
     "table": "An averaged foot does not stiffen the top over the leg's section, as the solid does: some 2 % soft, "
-    "where a rigid foot is some 7 % stiff. CalculiX's S4, a brick of incompatible modes, is stiffer at this size and hides "
-    "it. The reference is CalculiX's own solution of the quadratic bricks.",
+    "where a rigid foot is some 7 % stiff. CalculiX's S4, a brick of incompatible modes, is stiffer at this size "
+    "and hides it. The reference is CalculiX's own solution of the quadratic bricks.",
     "bracket": "Mid-surfaces of walls in a corner are longer than the walls by half a thickness each: the plates are "
     "softer, by what the thickness makes of it.",
 }
