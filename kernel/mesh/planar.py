@@ -27,18 +27,18 @@ def mesh_region(region: Region, size: float, faces: str = "quad") -> RegionMesh:
     cannot be meshed: a boundary that is no ring, points or edges that meet where they should not, an odd curve.
     """
     _check(region, size, faces)
-    mesh = _mesh(region, size, faces)
-    _check_elements(mesh, region.period)
-    return mesh
-
-
-def _mesh(region: Region, size: float, faces: str) -> RegionMesh:
     if faces != "tri":
         from kernel.mesh.structured import structured_mesh
 
         mesh = structured_mesh(region, size)
         if mesh is not None:
-            return mesh
+            return mesh  # checked by its own measure of quality, without compiled kernels
+    mesh = _general_mesh(region, size, faces)
+    _check_elements(mesh, region.period)
+    return mesh
+
+
+def _general_mesh(region: Region, size: float, faces: str) -> RegionMesh:
     if region.period is not None:
         from kernel.mesh.unrolled import periodic_mesh
 
@@ -58,19 +58,14 @@ def _mesh(region: Region, size: float, faces: str) -> RegionMesh:
 
 def _check_elements(mesh: RegionMesh, period: float | None) -> None:
     """MeshError, with the place, where an element has no area or runs clockwise: none ever leaves."""
+    from kernel.numeric.areas import least_area
+
     for elements in (mesh.quads, mesh.triangles):
         if len(elements) == 0:
             continue
-        diagonals = []
-        for a, b in ((0, 2), (1, 3)) if elements.shape[1] == 4 else ((0, 1), (0, 2)):
-            way = mesh.points[elements[:, b]] - mesh.points[elements[:, a]]
-            if period is not None:
-                way[:, 0] = shortest_way(way[:, 0], period)
-            diagonals.append(way)
-        (ux, uy), (vx, vy) = diagonals[0].T, diagonals[1].T
-        area = ux * vy - uy * vx
-        if not area.min() > 0:
-            x, y = mesh.points[elements[int(area.argmin())]].mean(axis=0)
+        worst, area = least_area(mesh.points, elements, float(period or 0.0))
+        if not area > 0:
+            x, y = mesh.points[elements[worst]].mean(axis=0)
             raise MeshError(f"curves lie so near to each other that an element would be flat near ({x:.6g}, {y:.6g})")
 
 
