@@ -17,8 +17,6 @@ _DOMINANT_SHARE = 0.08
 """The field is pulled to the dominant direction if this share of the length that counts runs along it."""
 _UPRIGHT = 1e-9
 """Radians under which a region stands upright already."""
-_GROWTH = 0.3
-"""Growth of the size from short edges, sizes per size of distance."""
 
 
 def dominant_cross(
@@ -62,19 +60,21 @@ def grow(
     edges: Edges,
     order: NDArray[np.uint8],
     size: float,
+    growth: float,
     cross: tuple[float, float, float],
 ) -> NDArray[np.float64]:
-    """The points, then the nodes of the square front. order: see growth_order; cross: see dominant_cross.
+    """The points, then the nodes of the square front.
 
+    order: see growth_order; growth: see planar.mesh_region; cross: see dominant_cross.
     The front grows in a frame turned along the dominant direction: a turned region gets a turned mesh, and a long
     oblique one a grid that fits it.
     """
     cosine, sine, screen = cross
     angle = math.atan2(sine, cosine) / 4
     if abs(angle) < _UPRIGHT:
-        return grow_front(points, *edges.arrays, order, float(size), cosine, sine, screen, _GROWTH)
+        return grow_front(points, *edges.arrays, order, float(size), cosine, sine, screen, growth)
     c, s = math.cos(angle), math.sin(angle)
     turn = np.array([[c, -s], [s, c]])
-    nodes = grow_front(points @ turn, *edges.arrays, order, float(size), 1.0, 0.0, screen, _GROWTH) @ turn.T
+    nodes = grow_front(points @ turn, *edges.arrays, order, float(size), 1.0, 0.0, screen, growth) @ turn.T
     nodes[: len(points)] = points
     return nodes

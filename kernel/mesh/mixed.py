@@ -26,13 +26,13 @@ _SMOOTH_UNDER = 0.55
 _GOOD_ENOUGH = 0.7
 
 
-def mixed_mesh(region: Region, size: float) -> RegionMesh:
+def mixed_mesh(region: Region, size: float, growth: float) -> RegionMesh:
     """Quads and triangles; the region's edges kept. MeshError where edges cross or points coincide."""
     points = np.array(region.points, dtype=np.float64, order="C")
     n_point = len(points)
     edges = edges_of(region)
     order = growth_order(n_point, edges, region.is_curved)
-    nodes = grow(points, edges, order, size, dominant_cross(points, edges, region.is_curved))
+    nodes = grow(points, edges, order, size, growth, dominant_cross(points, edges, region.is_curved))
     triangulation = constrained(nodes, n_point, edges, 0)
     is_fixed = (np.arange(len(nodes)) < n_point).astype(np.uint8)
     n_triangle = triangulation.n_triangle

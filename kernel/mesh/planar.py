@@ -13,47 +13,52 @@ from kernel.mesh.region import Region, RegionMesh
 
 FACES = ("quad", "tri", "mixed")
 
+GROWTH = 0.3
+"""How much longer elements may get per unit of distance from short edges, where nobody asks for another growth."""
+
 MOST_ELEMENTS = 20_000_000
 """A region that would take more elements than this is refused: the size is surely a mistake."""
 
 
-def mesh_region(region: Region, size: float, faces: str = "quad") -> RegionMesh:
+def mesh_region(region: Region, size: float, faces: str = "quad", growth: float = GROWTH) -> RegionMesh:
     """Mesh a planar or periodic region with elements of about `size`.
 
     faces: "quad": all quads (a few triangles only where curves lie so near to each other that quads would be bad),
     which asks for an even number of edges on each curve; "mixed": the same on any number; "tri": all triangles.
+    growth: where edges of the region are shorter than `size`, elements beside them are as short, and grow by this much
+    per unit of distance from them.
     The first n_point nodes of the result are the region's points; every edge of the region is an edge of the mesh;
     no element is inverted and no quad under a scaled Jacobian of 0.2. MeshError, with the place, where the region
     cannot be meshed: a boundary that is no ring, points or edges that meet where they should not, an odd curve.
     """
-    _check(region, size, faces)
+    _check(region, size, faces, growth)
     if faces != "tri":
         from kernel.mesh.structured import structured_mesh
 
         mesh = structured_mesh(region, size)
         if mesh is not None:
             return mesh  # checked by its own measure of quality, without compiled kernels
-    mesh = _general_mesh(region, size, faces)
+    mesh = _general_mesh(region, size, faces, float(growth))
     _check_elements(mesh, region.period)
     return mesh
 
 
-def _general_mesh(region: Region, size: float, faces: str) -> RegionMesh:
+def _general_mesh(region: Region, size: float, faces: str, growth: float) -> RegionMesh:
     if region.period is not None:
         from kernel.mesh.unrolled import periodic_mesh
 
-        return periodic_mesh(region, size, faces)
+        return periodic_mesh(region, size, faces, growth)
     if faces == "tri":
         from kernel.mesh.triangles import triangle_mesh
 
-        return triangle_mesh(region, size)
+        return triangle_mesh(region, size, growth)
     if faces == "mixed":
         from kernel.mesh.mixed import mixed_mesh
 
-        return mixed_mesh(region, size)
+        return mixed_mesh(region, size, growth)
     from kernel.mesh.quads import quad_mesh
 
-    return quad_mesh(region, size)
+    return quad_mesh(region, size, growth)
 
 
 def _check_elements(mesh: RegionMesh, period: float | None) -> None:
@@ -69,12 +74,14 @@ def _check_elements(mesh: RegionMesh, period: float | None) -> None:
             raise MeshError(f"curves lie so near to each other that an element would be flat near ({x:.6g}, {y:.6g})")
 
 
-def _check(region: Region, size: float, faces: str) -> None:
+def _check(region: Region, size: float, faces: str, growth: float) -> None:
     """MeshError where the values make no sense; what depends on geometry the triangulation finds."""
     if faces not in FACES:
         raise MeshError(f"faces is {faces!r}, expected one of {', '.join(FACES)}")
     if not (np.isfinite(size) and size > 0):
         raise MeshError(f"size is {size}, expected a positive number")
+    if not (np.isfinite(growth) and growth > 0):
+        raise MeshError(f"growth is {growth}, expected a positive number")
     n_point = len(region.points)
     if len(region.edges) == 0 or not region.is_boundary.any():
         raise MeshError("the region has no boundary")

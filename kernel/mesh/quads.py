@@ -48,7 +48,7 @@ def coarse_edges(
     return coarse
 
 
-def quad_mesh(region: Region, size: float, is_vertex: NDArray[np.bool_] | None = None) -> RegionMesh:
+def quad_mesh(region: Region, size: float, growth: float, is_vertex: NDArray[np.bool_] | None = None) -> RegionMesh:
     """All quads; the region's edges kept. MeshError where edges cross or a chain has an odd number of edges.
 
     is_vertex: (n_point,) points that stay nodes of the coarse mesh, beside those where curves meet. Where curves
@@ -58,10 +58,10 @@ def quad_mesh(region: Region, size: float, is_vertex: NDArray[np.bool_] | None =
     edges = edges_of(region)
     cross = dominant_cross(points, edges, region.is_curved)
     pairs = coarse_edges(points, edges, cross, is_vertex)
-    mesh = _split_coarse(points, edges, region.is_curved, size, cross, pairs)
+    mesh = _split_coarse(points, edges, region.is_curved, size, growth, cross, pairs)
     if mesh is None:
-        mesh = mixed_mesh(region, size)
-    return repaired(mesh, region, size)
+        mesh = mixed_mesh(region, size, growth)
+    return repaired(mesh, region, size, growth)
 
 
 def _split_coarse(
@@ -69,6 +69,7 @@ def _split_coarse(
     edges: Edges,
     is_curved: NDArray[np.bool_],
     size: float,
+    growth: float,
     cross: tuple[float, float, float],
     pairs: NDArray[np.int32],
 ) -> RegionMesh | None:
@@ -85,7 +86,7 @@ def _split_coarse(
     )
     is_small_ring = (pairs[:, 5] > 0) & (pairs[:, 5] <= _SMALL_RING)
     order = growth_order(len(kept), coarse, is_curved[pairs[:, 3]], is_small_ring)
-    nodes = grow(points[kept], coarse, order, 2 * size, cross)
+    nodes = grow(points[kept], coarse, order, 2 * size, growth, cross)
     try:
         triangulation = constrained(nodes, len(kept), coarse, 0)
     except MeshError:

@@ -29,20 +29,20 @@ def scaled_jacobians(mesh: RegionMesh) -> NDArray[np.float64]:
     return quad_sines(np.ascontiguousarray(mesh.points), np.ascontiguousarray(mesh.quads, np.int32))
 
 
-def repaired(mesh: RegionMesh, region: Region, size: float) -> RegionMesh:
+def repaired(mesh: RegionMesh, region: Region, size: float, growth: float) -> RegionMesh:
     """The mesh with every quad under LEAST_SCALED_JACOBIAN replaced, and the rest as it was where that is possible."""
     for n_ring in range(_FIRST_RINGS, _MOST_RINGS + 1):
         is_bad = scaled_jacobians(mesh) < LEAST_SCALED_JACOBIAN
         if not is_bad.any():
             return mesh
-        mesh = _with_new_patches(mesh, region, size, is_bad, n_ring)
+        mesh = _with_new_patches(mesh, region, size, growth, is_bad, n_ring)
     if (scaled_jacobians(mesh) < LEAST_SCALED_JACOBIAN).any():
-        return mixed_mesh(region, size)
+        return mixed_mesh(region, size, growth)
     return mesh
 
 
 def _with_new_patches(
-    mesh: RegionMesh, region: Region, size: float, is_bad: NDArray[np.bool_], n_ring: int
+    mesh: RegionMesh, region: Region, size: float, growth: float, is_bad: NDArray[np.bool_], n_ring: int
 ) -> RegionMesh:
     """Patches of n_ring rings about the bad quads meshed anew, those that can be."""
     n_quad = len(mesh.quads)
@@ -63,7 +63,7 @@ def _with_new_patches(
         of_quads = np.flatnonzero(patch_of[:n_quad] == patch)
         of_triangles = np.flatnonzero(patch_of[n_quad:] == patch)
         try:
-            new = _patch_mesh(mesh, region, size, of_quads, of_triangles)
+            new = _patch_mesh(mesh, region, size, growth, of_quads, of_triangles)
         except MeshError:  # the rim crosses itself: left as it is for a wider patch
             quads.append(mesh.quads[of_quads])
             triangles.append(mesh.triangles[of_triangles])
@@ -101,7 +101,12 @@ def _components(
 
 
 def _patch_mesh(
-    mesh: RegionMesh, region: Region, size: float, of_quads: NDArray[np.int64], of_triangles: NDArray[np.int64]
+    mesh: RegionMesh,
+    region: Region,
+    size: float,
+    growth: float,
+    of_quads: NDArray[np.int64],
+    of_triangles: NDArray[np.int64],
 ) -> tuple[NDArray[np.int64], NDArray[np.float64], NDArray[np.int64], NDArray[np.int64]]:
     """Nodes kept (by number in the mesh), points (kept ones first), quads and triangles of a patch meshed anew."""
     n_point = len(region.points)
@@ -126,5 +131,5 @@ def _patch_mesh(
     is_boundary = np.arange(len(edges)) < len(rim)
     patch = Region(mesh.points[kept], edges, is_boundary, np.zeros(len(edges), np.bool_))
     length = np.hypot(*(mesh.points[rim[:, 1]] - mesh.points[rim[:, 0]]).T)
-    new = mixed_mesh(patch, min(size, float(np.median(length))))
+    new = mixed_mesh(patch, min(size, float(np.median(length))), growth)
     return kept, new.points, new.quads, new.triangles

@@ -37,7 +37,7 @@ def _lattice_frame(points: NDArray[np.float64], edges: Edges, size: float) -> tu
     return float(angle[edge]), middle[0] - apex * math.sin(angle[edge]), middle[1] + apex * math.cos(angle[edge])
 
 
-def triangle_mesh(region: Region, size: float) -> RegionMesh:
+def triangle_mesh(region: Region, size: float, growth: float) -> RegionMesh:
     """All triangles; the region's edges kept. MeshError where edges cross or points coincide."""
     points = np.array(region.points, dtype=np.float64, order="C")
     n_point = len(points)
@@ -50,7 +50,7 @@ def triangle_mesh(region: Region, size: float) -> RegionMesh:
     nodes = np.empty((n_node + n_spare, 2))
     nodes[:n_node] = placed
     n_node, n_triangle = refine(
-        nodes, n_node, mesh.x, mesh.y, mesh.origin, mesh.scale, *half_edges, mesh.n_triangle, float(size)
+        nodes, n_node, mesh.x, mesh.y, mesh.origin, mesh.scale, *half_edges, mesh.n_triangle, float(size), growth
     )
     is_fixed = np.zeros(n_node, np.uint8)
     is_fixed[:n_point] = 1

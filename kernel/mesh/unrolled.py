@@ -26,7 +26,7 @@ _BAND = 3
 """Rings of quads about the seam that are smoothed across it."""
 
 
-def periodic_mesh(region: Region, size: float, faces: str) -> RegionMesh:
+def periodic_mesh(region: Region, size: float, faces: str, growth: float) -> RegionMesh:
     """Mesh a region with a period, closed over its seam. MeshError as for plane regions."""
     assert region.period is not None
     is_candidate = np.zeros(len(region.points), np.bool_)
@@ -41,11 +41,11 @@ def periodic_mesh(region: Region, size: float, faces: str) -> RegionMesh:
     seeded, seam = _seed_seam(region, find_seam(region, size, is_candidate), size, faces)
     cut = cut_open(seeded, seam)
     if faces == "quad":
-        mesh = quad_mesh(cut.region, size, cut.is_vertex)
+        mesh = quad_mesh(cut.region, size, growth, cut.is_vertex)
     elif faces == "mixed":
-        mesh = mixed_mesh(cut.region, size)
+        mesh = mixed_mesh(cut.region, size, growth)
     else:
-        mesh = triangle_mesh(cut.region, size)
+        mesh = triangle_mesh(cut.region, size, growth)
     return _close(mesh, cut, seeded, len(region.points))
 
 

@@ -25,8 +25,6 @@ from kernel.numeric.delaunay import STACK, insert_in_triangle, locate
 from kernel.numeric.halfedge import following, preceding
 from kernel.numeric.triangulation import to_grid
 
-_GROWTH = 0.35
-"""The size wanted grows by this per unit of distance from a short constraint."""
 _RADIUS_TO_EDGE = 1.25
 """Circumradius over shortest edge that starts a refinement (1.25: about 24 degrees; smoothing does the rest)."""
 _RADIUS_TO_SIZE = 0.95
@@ -34,8 +32,8 @@ _SIZE_SWEEPS = 30
 
 
 @compiled
-def wanted_sizes(points, n_node, corner, twin, lock, n_triangle, size):
-    """Size at each node, (len(points),): the mean of its constraint edges, at most `size`, growing by _GROWTH."""
+def wanted_sizes(points, n_node, corner, twin, lock, n_triangle, size, growth):
+    """Size at each node, (len(points),): the mean of its constraint edges, at most `size`, growing by `growth`."""
     wanted = np.full(len(points), size)
     total = np.zeros(n_node)
     count = np.zeros(n_node)
@@ -56,7 +54,7 @@ def wanted_sizes(points, n_node, corner, twin, lock, n_triangle, size):
         for e in range(3 * n_triangle):
             a = corner[e]
             b = corner[following(e)]
-            step = math.hypot(points[a, 0] - points[b, 0], points[a, 1] - points[b, 1]) * _GROWTH
+            step = math.hypot(points[a, 0] - points[b, 0], points[a, 1] - points[b, 1]) * growth
             if wanted[a] > wanted[b] + step + 1e-9 * size:
                 wanted[a] = wanted[b] + step
                 changed = True
@@ -69,9 +67,9 @@ def wanted_sizes(points, n_node, corner, twin, lock, n_triangle, size):
 
 
 @compiled
-def refine(points, n_node, x, y, origin, scale, corner, twin, lock, leaving, n_triangle, size):
+def refine(points, n_node, x, y, origin, scale, corner, twin, lock, leaving, n_triangle, size, growth):
     """Insert off-centres until no triangle asks for one. points has room for more. Returns n_node, n_triangle."""
-    wanted = wanted_sizes(points, n_node, corner, twin, lock, n_triangle, size)
+    wanted = wanted_sizes(points, n_node, corner, twin, lock, n_triangle, size, growth)
     most_triangle = len(corner) // 3
     waiting = np.empty(4 * most_triangle + 16, np.int32)
     stack = np.empty(STACK, np.int32)
@@ -149,7 +147,7 @@ def refine(points, n_node, x, y, origin, scale, corner, twin, lock, leaving, n_t
         first = e
         while True:
             u = corner[following(e)]
-            step = math.hypot(points[u, 0] - px, points[u, 1] - py) * _GROWTH
+            step = math.hypot(points[u, 0] - px, points[u, 1] - py) * growth
             if wanted[u] + step < wanted[node]:
                 wanted[node] = wanted[u] + step
             if n_waiting < len(waiting) - 1:

@@ -311,3 +311,20 @@ def test_an_imprinted_lens_of_two_short_curves_keeps_all_its_edges() -> None:
     plane = Region(np.concatenate([outer, lens]), edges, np.arange(len(edges)) < n, np.zeros(len(edges), bool))
     for faces in ("quad", "mixed", "tri"):
         assert_meshes(plane, mesh_region(plane, 1.0, faces))
+
+
+@pytest.mark.parametrize("faces", ["quad", "tri"])
+def test_a_smaller_growth_gives_more_elements_about_a_finely_seeded_hole(faces: str) -> None:
+    plane = region([rectangle(100, 100, 4), hole(50, 50, 5, 0.5)], (1,))
+    counts = []
+    for growth in (0.6, 0.3, 0.1):
+        mesh = mesh_region(plane, 4.0, faces, growth)
+        assert_meshes(plane, mesh)
+        counts.append(len(mesh.quads) + len(mesh.triangles))
+    assert counts[0] < counts[1] < counts[2]
+
+
+@pytest.mark.parametrize("growth", [0.0, -1.0, math.nan])
+def test_a_growth_without_sense_is_refused(growth: float) -> None:
+    with pytest.raises(MeshError, match="growth is"):
+        mesh_region(region([rectangle(10, 10, 1)]), 1.0, "quad", growth)
