@@ -1,12 +1,13 @@
 """Bricks that are swept: those of one direction that stand on one another share one section, and so their nodes.
 
-    direction ^   +-----+            levels: every start and end of a brick, divided between
+    direction ^   +-----+            levels: every start and end of a piece, divided between
               |   |  b  |
-              |   +-----+---+        section: the union of the outlines, each outline imprinted;
-              |   |    a    |        a brick takes the elements within its own outline
+              |   +-----+---+        section: all outlines drawn in one plane; they part it into cells, and a piece
+              |   |    a    |        takes the elements of the cells within its own outline
               |   +---------+
 
-A group that stands on a plate, swept along the plate's normal, takes the plate's own elements for its section.
+A brick is one piece, or a stack of them where its section changes at levels across the direction. A group that stands
+on a plate, swept along the plate's normal, takes the plate's own elements for its section.
 """
 
 from __future__ import annotations
@@ -20,15 +21,16 @@ from numpy.typing import NDArray
 
 from kernel.connect.joints import Joint, joints_by_segment
 from kernel.errors import MeshError
+from kernel.idealise.cells import Cell, cells_of, curves_of_cells
 from kernel.idealise.footprints import footprint
 from kernel.idealise.imprints import Candidate, imprint, lay_outlines
 from kernel.idealise.outlines import PolygonLike, Stretch, domain
-from kernel.idealise.regions import outline_of
 from kernel.idealise.sheets import PlaneSheet, plane_sheet_at
-from kernel.idealise.topology import Topology
+from kernel.idealise.topology import Curve, Topology
 from kernel.idealise.walls import Wall, section_outline
 from kernel.segment.prism import sweeps
 from kernel.segment.segments import BrickShape, Segment
+from kernel.segment.stack import layers_along
 from kernel.solid.surfaces import CylinderSurface, Plane, Surface, plane_frame
 from kernel.units import ANGLE_TOLERANCE
 
@@ -36,28 +38,42 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class SweptBrick:
-    """One brick of a group: from start to end along the direction, within `outline` of the section's frame."""
+class Piece:
+    """A prism: from start to end along the direction, within `outline` of the section's frame."""
 
-    segment: Segment
     start: float
     end: float
     outline: PolygonLike
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SweptBrick:
+    """One brick of a group, as the pieces of its stack, lowest first."""
+
+    segment: Segment
+    pieces: tuple[Piece, ...]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class OwnSection:
+    """A section parted into cells. curves: used by the cells, numbered by their place in the list."""
+
+    topology: Topology
+    curves: list[Curve]
+    cells: list[Cell]
 
 
 @dataclass(slots=True, eq=False)
 class SweepGroup:
     """Bricks swept along one direction. sheet: the section's plane.
 
-    host: the wall whose elements are swept, with the joint, or None where the group has a section of its own: then
-    topology and face hold that.
+    host: the wall whose elements are swept, with the joint, or None where the group has a section of its own.
     """
 
     direction: Array
     sheet: PlaneSheet
     bricks: list[SweptBrick]
-    topology: Topology | None = None
-    face: Wall | None = None
+    section: OwnSection | None = None
     host: tuple[Wall, Joint] | None = None
 
 
@@ -79,13 +95,10 @@ def sweep_directions(segments: Sequence[Segment], joints: Sequence[Joint], walls
     """By segment id, the direction along which each brick is swept; bricks that cannot be are not in it.
 
     Of several (a block has three) the one across which most of its contacts lie, with walls that it may stand on and
-    with bricks that can be swept the same way; without such contacts, the shape's own.
+    with bricks that can be swept the same way; without such contacts, the shape's own: that of the fewest layers.
     """
-    options: dict[str, list[Array]] = {}
-    for segment in segments:
-        if isinstance(segment.shape, BrickShape) and segment.shape.sweep is not None:
-            others = [sweep.direction for sweep in sweeps(segment.solid) if sweep.is_exact]
-            options[segment.id] = [_upward(direction) for direction in (segment.shape.sweep, *others)]
+    bricks = [segment for segment in segments if isinstance(segment.shape, BrickShape)]
+    options = {segment.id: directions for segment in bricks if (directions := stack_directions(segment))}
     by_id = {segment.id: segment for segment in segments}
     by_segment = joints_by_segment(joints)
     found: dict[str, Array] = {}
@@ -102,6 +115,21 @@ def sweep_directions(segments: Sequence[Segment], joints: Sequence[Joint], walls
                     weights[place] += joint.area
         found[name] = directions[int(np.argmax(weights))]
     return found
+
+
+def stack_directions(segment: Segment) -> list[Array]:
+    """Directions along which the segment's solid is a prism, or where there are none, a stack of prisms.
+
+    Stacks of few layers come first.
+    """
+    assert isinstance(segment.shape, BrickShape)
+    tried = sweeps(segment.solid)
+    exact = [sweep.direction for sweep in tried if sweep.is_exact]
+    if segment.shape.sweep is not None:
+        return [_upward(direction) for direction in (segment.shape.sweep, *exact)]
+    stacks = [(layers_along(segment.solid, sweep.direction), sweep.direction) for sweep in tried]
+    ordered = sorted((stack for stack in stacks if stack[0]), key=lambda stack: len(stack[0]))
+    return [_upward(direction) for _, direction in ordered]
 
 
 def _upward(direction: Array) -> Array:
@@ -157,41 +185,68 @@ def _make_group(
 ) -> tuple[SweepGroup, list[Candidate]]:
     names = {segment.id for segment in segments}
     host = _host(names, direction, joints, walls)
-    table = segments[0].solid.surfaces
     if host is not None:
         wall = host[0]
         assert isinstance(wall.sheet, PlaneSheet)
-        outlines = [section_of(topology, segment, wall.sheet) for segment in segments]
-        union = shapely.union_all([polygon for _, polygon in outlines])
-        if wall.region.buffer(30 * topology.tolerance).covers(union):
-            bricks = [_swept(segment, wall.sheet.normal, polygon) for segment, (_, polygon) in zip(segments, outlines)]
+        bricks, rings = _pieces(topology, segments, wall.sheet)
+        if wall.region.buffer(30 * topology.tolerance).covers(_union(bricks)):
             group = SweepGroup(wall.sheet.normal, wall.sheet, bricks, host=host)
-            return group, [Candidate(wall, stretch) for rings, _ in outlines for ring in rings for stretch in ring]
+            return group, [Candidate(wall, stretch) for ring in rings for stretch in ring]
     frame = plane_frame(direction)
     start = min(float((segment.solid.facets.vertices @ direction).min()) for segment in segments)
-    sheet = plane_sheet_at(direction, start, frame.u, frame.v, table)
+    sheet = plane_sheet_at(direction, start, frame.u, frame.v, segments[0].solid.surfaces)
     own = Topology(topology.tolerance, topology.carriers.reach)
-    outlines = [section_of(own, segment, sheet) for segment in segments]
-    bricks = [_swept(segment, direction, polygon) for segment, (_, polygon) in zip(segments, outlines)]
-    all_rings = [ring for rings, _ in outlines for ring in rings]
-    known = sorted({stretch.carrier for ring in all_rings for stretch in ring})
-    face = Wall(0, segments[0], sheet, 0.0, all_rings, outlines[0][1], known)
-    if len(segments) == 1:
-        face.region = outlines[0][1]
-        face.outline = [stretch for ring in all_rings for stretch in ring]
-    else:
-        region = shapely.union_all([polygon for _, polygon in outlines], grid_size=1e-7 * own.carriers.reach)
-        face.outline, face.region = outline_of(own, face, region, set())
-    wanted = [Candidate(face, stretch) for ring in all_rings for stretch in ring] if len(segments) > 1 else []
+    bricks, rings = _pieces(own, segments, sheet)
+    feet = []
     for joint in joints:
         for name, other in (joint.segments, joint.segments[::-1]):
             if name in names and other not in names and _across(by_id[name], joint, direction):
-                wanted += [
-                    Candidate(face, stretch) for ring in footprint(own, sheet, by_id[other], joint) for stretch in ring
-                ]
-    lay_outlines(own, [face])
-    imprint(own, wanted)
-    return SweepGroup(direction, sheet, bricks, topology=own, face=face), []
+                feet += footprint(own, sheet, by_id[other], joint)
+    return SweepGroup(direction, sheet, bricks, section=_own_section(own, sheet, bricks, rings, feet)), []
+
+
+def _pieces(
+    topology: Topology, segments: Sequence[Segment], sheet: PlaneSheet
+) -> tuple[list[SweptBrick], list[list[Stretch]]]:
+    """The bricks with their pieces along the sheet's normal, and the rings of all outlines, on the sheet."""
+    bricks, rings = [], []
+    for segment in segments:
+        pieces = []
+        for start, end in layers_along(segment.solid, sheet.normal):
+            outline, polygon = section_of(topology, segment, sheet, 0.5 * (start + end))
+            rings += outline
+            pieces.append(Piece(start, end, polygon))
+        if not pieces:
+            raise MeshError(f"{segment.id} ({segment.node}): a swept brick without a section")
+        bricks.append(SweptBrick(segment, tuple(pieces)))
+    return bricks, rings
+
+
+def _union(bricks: Sequence[SweptBrick], grid: float | None = None) -> PolygonLike:
+    """All outlines of the bricks as one region."""
+    outlines = [piece.outline for brick in bricks for piece in brick.pieces]
+    return shapely.union_all(outlines) if grid is None else shapely.union_all(outlines, grid_size=grid)
+
+
+def _own_section(
+    topology: Topology,
+    sheet: PlaneSheet,
+    bricks: Sequence[SweptBrick],
+    rings: Sequence[list[Stretch]],
+    feet: Sequence[list[Stretch]],
+) -> OwnSection:
+    """The section of a group: cells between all outlines, and between the feet of what stands on it."""
+    region = _union(bricks, 1e-7 * topology.carriers.reach)
+    face = Wall(0, bricks[0].segment, sheet, 0.0, [], region, [], region)
+    n_piece = sum(len(brick.pieces) for brick in bricks)
+    if n_piece == 1:
+        face.outline = [stretch for ring in rings for stretch in ring]
+        lay_outlines(topology, [face])
+    drawn = [*(rings if n_piece > 1 else ()), *feet]
+    imprint(topology, [Candidate(face, stretch) for ring in drawn for stretch in ring])
+    curves = topology.curves()
+    inside = [cell for cell in cells_of(topology, sheet, curves) if shapely.contains_xy(region, *cell.inner_point)]
+    return OwnSection(topology, curves_of_cells(curves, inside), inside)
 
 
 def _host(
@@ -207,17 +262,12 @@ def _host(
     return None
 
 
-def section_of(topology: Topology, segment: Segment, sheet: PlaneSheet) -> tuple[list[list[Stretch]], PolygonLike]:
-    """The outline of a swept brick, carried along its direction to the sheet."""
-    along = segment.solid.facets.vertices @ sheet.normal
-    middle = 0.5 * float(along.min() + along.max())
-    inner = plane_sheet_at(sheet.normal, middle, sheet.u, sheet.v, segment.solid.surfaces)
+def section_of(
+    topology: Topology, segment: Segment, sheet: PlaneSheet, offset: float
+) -> tuple[list[list[Stretch]], PolygonLike]:
+    """The outline of a brick where sheet.normal . x = offset, carried along the normal to the sheet."""
+    inner = plane_sheet_at(sheet.normal, offset, sheet.u, sheet.v, segment.solid.surfaces)
     rings = section_outline(topology, segment.solid, inner, onto=sheet)
     if not rings:
         raise MeshError(f"{segment.id} ({segment.node}): a swept brick without a section")
     return rings, domain(topology, sheet, rings)
-
-
-def _swept(segment: Segment, direction: Array, outline: PolygonLike) -> SweptBrick:
-    along = segment.solid.facets.vertices @ direction
-    return SweptBrick(segment, float(along.min()), float(along.max()), outline)

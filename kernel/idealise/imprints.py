@@ -28,6 +28,10 @@ INSIDE = 25.0
 """A piece lies in a region when its middle is no further outside than this many tolerances."""
 
 
+COMMON_END = 10.0
+"""Stretches that cross within this many tolerances of an end that they share do not cross, but meet there."""
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Candidate:
     """A stretch that may be imprinted in the face of `wall`; partner: the wall that it must lie in too, if any."""
@@ -116,6 +120,8 @@ def _imprint_face(topology: Topology, candidates: list[Candidate]) -> None:
             if other < len(drawn) and other < number:
                 continue
             for point in _crossings(topology, wall.sheet, here, there):
+                if _is_common_end(topology, here.stretch, there.stretch, point):
+                    continue
                 _cut(topology, here.stretch, point, cuts[number])
                 _cut(topology, there.stretch, point, cuts[other] if other < len(drawn) else None)
         partner = candidates[number].partner
@@ -161,6 +167,15 @@ def _crossings(topology: Topology, sheet: Sheet, one: _Drawn, other: _Drawn) -> 
             carriers = [topology.carrier(drawn.stretch.carrier) for drawn in (one, other)]
             points.append(meeting_point(sheet, carriers[0], carriers[1], near))
     return points
+
+
+def _is_common_end(topology: Topology, one: Stretch, other: Stretch, point: Array) -> bool:
+    """Whether the point is where both end: a cut there already, and found only roughly where they are tangent."""
+    if one.whole or other.whole:
+        return False
+    reach = COMMON_END * topology.tolerance
+    ends = [end for end in (one.first, one.last) if np.linalg.norm(point - end) <= reach]
+    return any(np.linalg.norm(end - own) <= reach for end in ends for own in (other.first, other.last))
 
 
 def _cut(topology: Topology, stretch: Stretch, point: Array, cuts: list[tuple[float, Array]] | None) -> None:

@@ -14,11 +14,12 @@ from kernel.idealise.brick import SweepGroup, SweptBrick
 from kernel.idealise.parts import Parts
 from kernel.idealise.walls import Wall
 from kernel.mesh.elements import ELEMENT_KINDS
-from kernel.mesh.faces import CurvesByFace, FaceMesh, curve_middles, mesh_face, seed_curves
+from kernel.mesh.faces import CurvesByFace, FaceMesh, curve_middles
 from kernel.mesh.mesh import ElementBlock
 from kernel.mesh.nodes import NodeTable
 from kernel.mesh.options import MeshOptions
 from kernel.mesh.region import RegionMesh
+from kernel.mesh.section import mesh_section
 from kernel.mesh.sweep import divide_levels, sweep
 from kernel.segment.segments import Segment
 
@@ -51,9 +52,13 @@ def mesh_bricks(
     meshes: dict[str, BrickMesh] = {}
     for group in parts.sweeps:
         size = min(sizes[brick.segment.id] for brick in group.bricks)
-        if group.host is None:
-            section = _own_section(group, size, options.faces)
+        if group.section is not None:
+            names = ", ".join(f"{brick.segment.id} ({brick.segment.node})" for brick in group.bricks)
+            own = mesh_section(names, group.section, group.sheet, size, options.faces)
+            cells = shapely.points([cell.inner_point for cell in group.section.cells])
+            section = _Section(own.mesh, np.empty(0, np.int64), own.edges, own.middles, cells[own.cell_of])
         else:
+            assert group.host is not None
             section = _host_section(parts, group.host[0], curves, faces[group.host[0].segment.id])
         meshes.update(_sweep_group(group, section, size, nodes))
     for name, segment in parts.segments.items():
@@ -72,38 +77,28 @@ class _Section:
     """A meshed section in its sheet's frame. wall_nodes: (n,) the host wall's node at each point; empty without host.
 
     edges: (e, 2) points on curves that are not straight, middles: (e, 3) places amid them, on the sheet.
+    inner: (n_element,) a shapely point for each element, quads first, that tells what outline it lies in: amid its
+    cell, or amid itself.
     """
 
     mesh: RegionMesh
     wall_nodes: Indices
     edges: Indices
     middles: Array
+    inner: NDArray[np.object_]
 
 
-def _section(face: FaceMesh, wall_nodes: Indices, edges: Indices, middles: Array) -> _Section:
+def _host_section(parts: Parts, wall: Wall, curves: CurvesByFace, face: FaceMesh) -> _Section:
+    """The elements of the wall that the group stands on."""
     order = np.argsort(face.nodes)
 
     def local(numbers: Indices) -> Indices:
         return order[np.searchsorted(face.nodes[order], numbers)]
 
+    edges, middles = curve_middles(parts.topology, curves.get(wall.index, []))
     mesh = RegionMesh(face.flat, local(face.quads), local(face.triangles))
-    return _Section(mesh, wall_nodes, local(edges), middles)
-
-
-def _own_section(group: SweepGroup, size: float, kind: str) -> _Section:
-    """The group's section meshed on its own curves; its nodes stay out of the model."""
-    assert group.topology is not None
-    flat = NodeTable()
-    curves = seed_curves(group.topology, group.topology.curves(), {0: group.sheet}, {0: size}, flat)
-    names = ", ".join(f"{brick.segment.id} ({brick.segment.node})" for brick in group.bricks)
-    face = mesh_face(names, 0, group.sheet, curves, size, kind, flat)
-    return _section(face, np.empty(0, np.int64), *curve_middles(group.topology, curves))
-
-
-def _host_section(parts: Parts, wall: Wall, curves: CurvesByFace, face: FaceMesh) -> _Section:
-    """The elements of the wall that the group stands on."""
-    own = curves.get(wall.index, [])
-    return _section(face, face.nodes, *curve_middles(parts.topology, own))
+    centres = np.concatenate([mesh.points[mesh.quads].mean(axis=1), mesh.points[mesh.triangles].mean(axis=1)])
+    return _Section(mesh, face.nodes, local(edges), middles, shapely.points(centres))
 
 
 # ---------------------------------------------------------------- sweeping
@@ -111,17 +106,20 @@ def _host_section(parts: Parts, wall: Wall, curves: CurvesByFace, face: FaceMesh
 
 def _sweep_group(group: SweepGroup, section: _Section, size: float, nodes: NodeTable) -> dict[str, BrickMesh]:
     """The bricks of a group; where they stand on one another they share nodes."""
-    levels = divide_levels([value for brick in group.bricks for value in (brick.start, brick.end)], size)
+    pieces = [piece for brick in group.bricks for piece in brick.pieces]
+    levels = divide_levels([value for piece in pieces for value in (piece.start, piece.end)], size)
     mesh = section.mesh
     elements = [*mesh.quads, *mesh.triangles]
-    centres = np.array([mesh.points[element].mean(axis=0) for element in elements]).reshape(-1, 2)
     layer = 0.5 * (levels[:-1] + levels[1:])
     held = {}
     for brick in group.bricks:
-        inside = shapely.contains_xy(brick.outline, centres[:, 0], centres[:, 1])
-        if not inside.any():
-            raise MeshError(f"{brick.segment.id} ({brick.segment.node}): its section holds no element")
-        held[brick.segment.id] = ((layer > brick.start) & (layer < brick.end))[:, None] & inside[None, :]
+        own = np.zeros((len(layer), len(elements)), dtype=bool)
+        for piece in brick.pieces:
+            inside = shapely.contains(piece.outline, section.inner)
+            if not inside.any():
+                raise MeshError(f"{brick.segment.id} ({brick.segment.node}): its section holds no element")
+            own |= ((layer > piece.start) & (layer < piece.end))[:, None] & inside[None, :]
+        held[brick.segment.id] = own
     present = np.logical_or.reduce(list(held.values()))
 
     def lift(flat: Array, level: float) -> Array:

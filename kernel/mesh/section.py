@@ -1,0 +1,171 @@
+r"""The section of a group of swept bricks, meshed cell by cell on shared seeds: discs as O-grids, rings in layers.
+
+Two circles about one centre with nothing between them are divided alike, so that the ring between them is meshed in
+layers however narrow it is; other cells are seeded as faces are, finer beside narrow gaps.
+
+      .-----.
+     / .---. \
+    | ( disc) |
+     \ '---' /
+      '-----'
+
+The ring's circles take the seeds of the one that asks for more, by angle. Rings are tied to one another, the narrowest
+first, as long as the largest circle is at most RING_RATIO times the smallest: beyond that the seeds of the one would be
+too fine or too coarse for the other.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kernel.idealise.brick import OwnSection
+from kernel.idealise.carriers import Circle
+from kernel.idealise.sheets import PlaneSheet
+from kernel.idealise.topology import IMPRINT, Curve, Topology, Use
+from kernel.mesh.faces import FaceMesh, SeededCurve, curve_middles, curves_by_face, mesh_face, seed_curves
+from kernel.mesh.nodes import NodeTable
+from kernel.mesh.region import RegionMesh
+
+Array = NDArray[np.float64]
+Indices = NDArray[np.int64]
+
+RING_RATIO = 2.0
+"""Largest ratio of radii over which circles are divided alike."""
+
+SAME_ANGLE = 1e-6
+"""Angles, in radians, and turns that differ by less are the same."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class MeshedSection:
+    """A section in its sheet's frame. cell_of: (n_quad + n_triangle,) the cell of each element, quads first.
+
+    edges: (e, 2) points on curves that are not straight, middles: (e, 3) places amid them, on the sheet.
+    """
+
+    mesh: RegionMesh
+    cell_of: Indices
+    edges: Indices
+    middles: Array
+
+
+def mesh_section(name: str, section: OwnSection, sheet: PlaneSheet, size: float, faces: str) -> MeshedSection:
+    """All cells meshed with elements of about `size`. name: of the bricks, for errors. faces: "quad" or "tri".
+
+    MeshError: a cell cannot be meshed.
+    """
+    nodes = NodeTable()  # the section's own: they stay out of the model
+    curves = _seeded(section, sheet, size, nodes)
+    by_cell = curves_by_face(curves)
+    meshes = [
+        mesh_face(name, cell, sheet, by_cell.get(cell, []), size, faces, nodes) for cell in range(len(section.cells))
+    ]
+    return _joined(meshes, sheet, nodes.points, curve_middles(section.topology, curves))
+
+
+def _joined(
+    meshes: Sequence[FaceMesh], sheet: PlaneSheet, points: Array, middles: tuple[Indices, Array]
+) -> MeshedSection:
+    used = np.unique(np.concatenate([mesh.nodes for mesh in meshes]))
+    quads, triangles = ([getattr(mesh, kind) for mesh in meshes] for kind in ("quads", "triangles"))
+    cells = np.arange(len(meshes))
+    cell_of = np.concatenate([np.repeat(cells, [len(block) for block in blocks]) for blocks in (quads, triangles)])
+    numbered = (np.searchsorted(used, np.concatenate(blocks)) for blocks in (quads, triangles))
+    mesh = RegionMesh(sheet.flat(points[used]), *numbered)
+    return MeshedSection(mesh, cell_of, np.searchsorted(used, middles[0]), middles[1])
+
+
+# ---------------------------------------------------------------- seeds
+
+
+def _seeded(section: OwnSection, sheet: PlaneSheet, size: float, nodes: NodeTable) -> list[SeededCurve]:
+    """The curves divided; those on the two circles of a tied ring alike."""
+    topology, curves = section.topology, section.curves
+    tied = _tied_rings(topology, curves)
+    rings = {ring.cell for ring in tied}
+    free = range(-1, -1 - len(curves), -1)  # a face for each curve that only bounds tied rings: no gap is seen there
+    plain = []
+    for curve, alone in zip(curves, free):
+        uses = {cell: use for cell, use in curve.uses.items() if cell not in rings}
+        plain.append(replace(curve, uses=uses or {alone: Use(IMPRINT, True)}))
+    numbers = (*range(len(section.cells)), *free)
+    seeded = seed_curves(topology, plain, dict.fromkeys(numbers, sheet), dict.fromkeys(numbers, size), nodes)
+    seeded = [replace(own, curve=curve) for own, curve in zip(seeded, curves, strict=True)]
+    for group in _groups(tied):
+        by_angle = [[place for place, curve in enumerate(curves) if curve.carrier == carrier] for carrier in group]
+        for alike in zip(*by_angle, strict=True):
+            finest = max(alike, key=lambda place: len(seeded[place].nodes))
+            for place in alike:
+                if place != finest:
+                    seeded[place] = _divided_like(topology, seeded[place], seeded[finest], nodes)
+    return seeded
+
+
+def _divided_like(topology: Topology, own: SeededCurve, other: SeededCurve, nodes: NodeTable) -> SeededCurve:
+    """The curve with seeds at the other's shares of its length."""
+    shares = (other.parameters - other.curve.start) / other.curve.length
+    parameters = own.curve.start + shares * own.curve.length
+    between = nodes.add(topology.carrier(own.curve.carrier).at(parameters[1:-1]))
+    return replace(own, nodes=np.concatenate([own.nodes[:1], between, own.nodes[-1:]]), parameters=parameters)
+
+
+@dataclass(frozen=True, slots=True)
+class _Ring:
+    """A cell between two circles about one centre. carriers: of the circles, the inner one first; radii: theirs."""
+
+    cell: int
+    carriers: tuple[int, int]
+    radii: tuple[float, float]
+
+
+def _tied_rings(topology: Topology, curves: Sequence[Curve]) -> list[_Ring]:
+    """The rings whose circles shall be divided alike."""
+    by_cell: dict[int, list[Curve]] = {}
+    for curve in curves:
+        for cell in curve.uses:
+            by_cell.setdefault(cell, []).append(curve)
+    rings = [ring for cell, own in sorted(by_cell.items()) if (ring := _ring_of(topology, cell, own)) is not None]
+    reach = {carrier: (radius, radius) for ring in rings for carrier, radius in zip(ring.carriers, ring.radii)}
+    tied = []
+    for ring in sorted(rings, key=lambda ring: (ring.radii[1] / ring.radii[0], ring.cell)):
+        least = min(reach[carrier][0] for carrier in ring.carriers)
+        most = max(reach[carrier][1] for carrier in ring.carriers)
+        if most <= RING_RATIO * least:
+            tied.append(ring)
+            for group in _groups(tied):
+                if ring.carriers[0] in group:
+                    reach.update(dict.fromkeys(group, (least, most)))
+    return tied
+
+
+def _ring_of(topology: Topology, cell: int, curves: Sequence[Curve]) -> _Ring | None:
+    """The cell as a ring, None where it is none, or where its circles are not cut at the same angles."""
+    numbers = sorted({curve.carrier for curve in curves})
+    if len(numbers) != 2 or any(curve.uses[cell].role == IMPRINT for curve in curves):
+        return None
+    circles = [carrier for number in numbers if isinstance(carrier := topology.carrier(number), Circle)]
+    if len(circles) != 2 or np.linalg.norm(circles[0].centre - circles[1].centre) > 2 * topology.tolerance:
+        return None
+    angles = []
+    for number, circle in zip(numbers, circles):
+        own = [curve for curve in curves if curve.carrier == number]
+        if sum(curve.length for curve in own) < (1 - SAME_ANGLE) * circle.period:
+            return None
+        angles.append(np.array([curve.start / circle.radius for curve in own]))
+    if len(angles[0]) != len(angles[1]) or np.abs(angles[0] - angles[1]).max() > SAME_ANGLE:
+        return None
+    (inner, first), (outer, second) = sorted(zip((circle.radius for circle in circles), numbers))
+    return _Ring(cell, (first, second), (inner, outer))
+
+
+def _groups(rings: Sequence[_Ring]) -> list[list[int]]:
+    """Circles that rings tie to one another, as lists of carriers."""
+    groups: list[set[int]] = []
+    for ring in rings:
+        touched = [group for group in groups if not group.isdisjoint(ring.carriers)]
+        groups = [group for group in groups if group not in touched] + [set(ring.carriers).union(*touched)]
+    return [sorted(group) for group in groups]
