@@ -20,6 +20,8 @@ from app.schemas import (
     RejectedAnswer,
     SectionAnswer,
     SegmentAnswer,
+    SegmentSizeAnswer,
+    SizeAnswer,
     SolidAnswer,
 )
 from app.texts import needs_review
@@ -49,6 +51,7 @@ def meshed_answer(meshed: Meshed) -> MeshAnswer:
     )
     return MeshAnswer(
         **common,
+        size=size_answer(meshed),
         nodes=meshed.model.mesh.n_node,
         elements=meshed.model.mesh.count(),
         couplings=dict(sorted(Counter(type(c).__name__.lower() for c in meshed.model.couplings).items())),
@@ -61,6 +64,20 @@ def meshed_answer(meshed: Meshed) -> MeshAnswer:
         ],
         warnings=list(meshed.warnings),
         seconds={stage: round(seconds, 4) for stage, seconds in meshed.seconds.items()},
+    )
+
+
+def size_answer(meshed: Meshed) -> SizeAnswer:
+    """The sizes that were used, and what they come from."""
+    sizes = meshed.assembly.sizes
+    return SizeAnswer(
+        value=float(sizes.size),
+        automatic=meshed.options.size is None,
+        because=sizes.because,
+        segments=[
+            SegmentSizeAnswer(segment=name, size=float(sizes.by_segment[name]), because=reason)
+            for name, reason in sizes.reasons.items()
+        ],
     )
 
 

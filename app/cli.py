@@ -6,43 +6,26 @@ Imports here are late on purpose: `csgmesh tree` must not wait for numba, pydant
 from __future__ import annotations
 
 import os
-import re
 import signal
 import sys
-import time
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Annotated, NoReturn
 
 import typer
 
-from app import cli_rules, texts
+from app import cli_mesh, cli_rules, texts
+from app.cli_arguments import JsonOption, ModelArgument, OverrideOption, RulesOption, UnitsOption, overrides
 from app.output import check_writable, write_files
-from kernel.errors import CsgmeshError, OptionError
+from kernel.errors import CsgmeshError
 
 if TYPE_CHECKING:
     from app.pipeline import Classified
     from kernel.csg.tree import CsgModel
-    from kernel.plan import Override
 
 USAGE_STATUS = 2
 PIPE_STATUS = 128 + getattr(signal, "SIGPIPE", 13)  # Windows has no such signal
 ALL_NODES = "*"
 """What `--explain` means without a node."""
-
-FORMATS_HELP = (
-    "Instead of what DECK's ending means: nastran (.bdf .nas .dat), ansys (.cdb, blocked archive), ansys5 (.ans, "
-    "commands of ANSYS 5.0), calculix (.inp), abaqus (no ending), sapiv (.sap), gmsh (.msh, 4.1), vtu (.vtu, VTK), "
-    "json (.json)."
-)
-MATERIAL_HELP = (
-    "Material of every segment, instead of what the model says, else steel: steel, stainless, aluminium, titanium "
-    "(Ti-6Al-4V), concrete (C30/37), one that the model defines, or a YAML file {name: S355, E: 210000, NU: 0.3, "
-    "RHO: 7.85e-9}."
-)
-COUPLING_HELP = (
-    "Where dimensions change: distributing (RBE3: a beam's end moves as the average of its patch), rigid (RBE2: the "
-    "patch moves as the beam's end does), work (equations: forces do the same work on both sides)."
-)
 
 app = typer.Typer(
     name="csgmesh",
@@ -52,26 +35,6 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     rich_markup_mode=None,
 )
-
-ModelArgument = Annotated[str, typer.Argument(metavar="MODEL", help="A .csg or .json file; - for standard input.")]
-RulesOption = Annotated[str | None, typer.Option("--rules", metavar="FILE", help="Rule base instead of the own one.")]
-OverrideOption = Annotated[
-    list[str] | None,
-    typer.Option(
-        "--override",
-        metavar="NODE=TYPE[:REASON]",
-        help="Decide a node yourself, by path or name: beam, plate, plates, cylinder_plate, brick, split, auto.",
-    ),
-]
-UnitsOption = Annotated[
-    str | None,
-    typer.Option(
-        "--units",
-        help="For a model that does not say; mm by default. Consistent sets: mm (mm-t-s-N-MPa), cm (cm-100 kg-s-N), "
-        "m (m-kg-s-N-Pa), in (in-lbf-s-psi), ft (ft-slug-s-lbf-psf).",
-    ),
-]
-JsonOption = Annotated[bool, typer.Option("--json", help="Print JSON instead of text.")]
 
 
 @app.callback(invoke_without_command=True)
@@ -88,92 +51,7 @@ def root(
         typer.echo(context.get_help())
 
 
-@app.command(epilog="Example: csgmesh mesh bracket.csg -o bracket.bdf --size 8 --override 0.1=brick --report b.html")
-def mesh(
-    model: ModelArgument,
-    output: Annotated[str, typer.Option("--output", "-o", metavar="DECK", help="The deck to write.")],
-    deck_format: Annotated[str | None, typer.Option("--format", help=FORMATS_HELP)] = None,
-    size: Annotated[
-        float | None, typer.Option(help="Target length of an element's edge; automatic by default.")
-    ] = None,
-    order: Annotated[int, typer.Option(help="1: corner nodes only, 2: mid-side nodes too.")] = 1,
-    faces: Annotated[str, typer.Option(help="Shells of: quad, tri.")] = "quad",
-    volumes: Annotated[
-        str, typer.Option(help="Bricks of: auto (hexes where they can be swept, else tets), hex (or refuse), tet.")
-    ] = "auto",
-    units: UnitsOption = None,
-    rules: RulesOption = None,
-    override: OverrideOption = None,
-    material: Annotated[str | None, typer.Option(metavar="NAME|FILE", help=MATERIAL_HELP)] = None,
-    material_of: Annotated[
-        list[str] | None, typer.Option(metavar="NODE=NAME", help="Material of one node or segment, as TOP=aluminium.")
-    ] = None,
-    coupling: Annotated[str, typer.Option(help=COUPLING_HELP)] = "distributing",
-    joint: Annotated[
-        list[str] | None, typer.Option(metavar="JOINT=COUPLING", help="Coupling of one joint, as j3=rigid.")
-    ] = None,
-    mass: Annotated[str, typer.Option(help="plain: densities as given; exact: scaled to the solid's mass.")] = "plain",
-    report: Annotated[str | None, typer.Option(metavar="FILE.html", help="Write a report with pictures too.")] = None,
-    unchecked: Annotated[
-        bool, typer.Option("--unchecked", help="Write the model even if it does not pass its own checks.")
-    ] = False,
-    as_json: JsonOption = False,
-) -> None:
-    """Mesh MODEL and write the deck."""
-    start = time.perf_counter()
-    from app import pipeline
-    from app.materialfile import with_material
-    from app.pipeline import units_of
-    from app.progress import progress_bar
-    from kernel.connect.build import MASSES
-    from kernel.connect.couplings import COUPLINGS
-    from kernel.deck.deck import format_for
-    from kernel.materials import choose_material
-    from kernel.mesh.options import MeshOptions
-
-    outputs = [output] if report is None else [output, report]
-    if len({os.path.realpath(path) for path in outputs}) < len(outputs):
-        raise OptionError(f"{output}: the deck and the report are one file, expected two")
-    for path in outputs:
-        check_writable(path)
-    format_for(output, deck_format)
-    by_joint = _by_name(joint, "--joint", "JOINT=COUPLING", "j3=rigid")
-    for name in (coupling, *by_joint.values()):
-        if name not in COUPLINGS:
-            raise OptionError(f"unknown coupling {name!r}, expected one of {', '.join(COUPLINGS)}")
-    if mass not in MASSES:
-        raise OptionError(f"unknown mass {mass!r}, expected one of {', '.join(MASSES)}")
-    options = MeshOptions(size=size, order=order, faces=faces, volumes=volumes)
-    pinned = _overrides(override)
-    csg, material = with_material(pipeline.read(model), material)
-    choose_material(material, csg, units_of(csg, units))
-    with progress_bar() as progress:
-        classified = pipeline.classify(csg, overrides=pinned, rules=rules, units=units, progress=progress)
-        meshed = pipeline.mesh(
-            classified,
-            options,
-            material=material,
-            coupling=coupling,
-            joint_couplings=by_joint,
-            materials_of=_by_name(material_of, "--material-of", "NODE=NAME", "TOP=aluminium"),
-            mass=mass,
-            progress=progress,
-        )
-        if not unchecked:
-            pipeline.refuse_failed(meshed)
-        contents = {output: pipeline.write_deck(meshed, output, deck_format)}
-        if report is not None:
-            from app.report.page import report_page
-
-            contents[report] = report_page(meshed).encode()
-    write_files(contents)
-    from app.answers import meshed_answer
-
-    answer = meshed_answer(meshed)
-    for warning in (*(f"check failed: {failure}" for failure in meshed.checks.failures), *meshed.warnings):
-        sys.stderr.write(f"warning: {warning}\n")
-    seconds = time.perf_counter() - start
-    _print(answer.model_dump_json(indent=1) if as_json else texts.mesh_text(answer, output, seconds))
+app.command(epilog=cli_mesh.EPILOG)(cli_mesh.mesh)
 
 
 @app.command(epilog="Example: csgmesh classify bracket.csg --explain 0.1")
@@ -192,14 +70,14 @@ def classify(
     if explain is not None:
         node = None if explain == ALL_NODES else explain
         explain_as = texts.explanation_text if not as_json else lambda *about: texts.as_json(texts.explanation(*about))
-        _print(explain_as(classified, node))
+        texts.show(explain_as(classified, node))
         return
     if as_json:
         from app.answers import classification
 
-        _print(classification(classified).model_dump_json(indent=1))
+        texts.show(classification(classified).model_dump_json(indent=1))
     else:
-        _print(texts.classification_text(classified))
+        texts.show(texts.classification_text(classified))
 
 
 @app.command(epilog="Example: csgmesh tree bracket.csg")
@@ -209,9 +87,9 @@ def tree(model: ModelArgument, as_json: JsonOption = False) -> None:
     if as_json:
         from kernel.csg.treejson import tree_to_json
 
-        _print(texts.as_json(tree_to_json(csg)))
+        texts.show(texts.as_json(tree_to_json(csg)))
     else:
-        _print(texts.tree_text(csg))
+        texts.show(texts.tree_text(csg))
 
 
 @app.command(epilog="Example: csgmesh evaluate bracket.csg -o bracket.stl")
@@ -235,7 +113,7 @@ def evaluate(
     from app.answers import solid_answer
 
     answer = solid_answer(csg, evaluated, unit_name)
-    _print(answer.model_dump_json(indent=1) if as_json else texts.solid_text(answer, output))
+    texts.show(answer.model_dump_json(indent=1) if as_json else texts.solid_text(answer, output))
 
 
 @app.command(epilog="Example: csgmesh quality bracket.bdf --json")
@@ -256,9 +134,9 @@ def quality(
     measured = mesh_quality(elements, allow_inverted=True)
     if as_json:
         answer = {"deck": deck, "nodes": elements.n_node, "elements": elements.count(), "quality": measured}
-        _print(texts.as_json(answer))
+        texts.show(texts.as_json(answer))
     else:
-        _print("\n".join([f"{deck}: {texts.plural(elements.n_node, 'node')}", *texts.quality_lines(measured)]))
+        texts.show("\n".join([f"{deck}: {texts.plural(elements.n_node, 'node')}", *texts.quality_lines(measured)]))
 
 
 app.add_typer(cli_rules.app)
@@ -339,10 +217,6 @@ def _with_explain(arguments: Sequence[str]) -> list[str]:
     return given
 
 
-def _print(text: str) -> None:
-    sys.stdout.write(text.rstrip("\n") + "\n")
-
-
 def _read(model: str) -> CsgModel:
     from app import pipeline
 
@@ -352,34 +226,5 @@ def _read(model: str) -> CsgModel:
 def _classified(model: str, rules: str | None, override: list[str] | None, units: str | None) -> Classified:
     from app import pipeline
 
-    pinned = _overrides(override)
+    pinned = overrides(override)
     return pipeline.classify(pipeline.read(model), overrides=pinned, rules=rules, units=units)
-
-
-def _overrides(texts_given: list[str] | None) -> dict[str, Override]:
-    """NODE=TYPE or NODE=TYPE:REASON by node; OptionError where one is written otherwise or a node stands twice."""
-    from kernel.plan import Override
-
-    overrides: dict[str, Override] = {}
-    for text in texts_given or []:
-        written = re.fullmatch(r"(.+?)=([^=:]+)(?::(.*))?", text, re.DOTALL)
-        if written is None:
-            raise OptionError(f"--override {text!r}: expected NODE=TYPE or NODE=TYPE:REASON, such as 0.1=brick")
-        node, kind, reason = written.groups()
-        if node in overrides:
-            raise OptionError(f"--override {text!r}: node {node} is overridden twice, expected once")
-        overrides[node] = Override(kind, reason=(reason or "").strip())
-    return overrides
-
-
-def _by_name(texts_given: list[str] | None, option: str, form: str, example: str) -> dict[str, str]:
-    """NAME=VALUE by name; OptionError where one is written otherwise or a name stands twice."""
-    found: dict[str, str] = {}
-    for text in texts_given or []:
-        name, equals, value = text.rpartition("=")
-        if not equals or not name or not value:
-            raise OptionError(f"{option} {text!r}: expected {form}, such as {example}")
-        if name in found:
-            raise OptionError(f"{option} {text!r}: {name} is given twice, expected once")
-        found[name] = value
-    return found

@@ -111,9 +111,27 @@ class MassAnswer(Schema):
     error: float
 
 
+class SegmentSizeAnswer(Schema):
+    """The size of a segment that has another one than the model."""
+
+    segment: str
+    size: float
+    because: str
+
+
+class SizeAnswer(Schema):
+    """Target length of an element's edge, in model units, and what it comes from."""
+
+    value: float
+    automatic: bool
+    because: str
+    segments: list[SegmentSizeAnswer] = Field(description="those whose size differs, and why")
+
+
 class MeshAnswer(Classification):
     """`csgmesh mesh --json` and GET /v1/meshes/{id}."""
 
+    size: SizeAnswer
     nodes: int
     elements: dict[str, int]
     couplings: dict[str, int]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import sys
 from collections.abc import Sequence
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
@@ -32,6 +33,9 @@ MEASURES = {
 
 SHOWN_SHARE = 5e-5
 """A share of the mass below this is nought in two digits of per cent."""
+
+MOST_SIZES = 6
+"""Segments with a size of their own that are told of in a text; JSON and the report have them all."""
 
 NOUGHT = 1e-12
 """A measure of an element smaller than this is rounding."""
@@ -132,12 +136,21 @@ def mesh_text(answer: MeshAnswer, deck: str, seconds: float) -> str:
     couplings = ", ".join(f"{count} {kind}" for kind, count in answer.couplings.items()) or "none"
     lines = [
         f"{deck}: {plural(answer.nodes, 'node')}, {elements}, in {plural(len(answer.segments), 'segment')}",
+        size_text(answer),
         f"couplings: {couplings}; components: {answer.components}",
         mass_text(answer),
     ]
     lines += quality_lines(answer.quality)
     lines.append(f"seconds: {seconds:.2f}")
     return "\n".join(lines)
+
+
+def size_text(answer: MeshAnswer) -> str:
+    """The size of the elements and what it comes from, and of the segments that have another one."""
+    own = [f"{each.segment} {each.size:.4g} ({each.because})" for each in answer.size.segments]
+    more = [f"{len(own) - MOST_SIZES} more"] if len(own) > MOST_SIZES else []
+    general = f"{number(answer.size.value)} {answer.units} ({answer.size.because})"
+    return "size: " + "; ".join([general, *own[:MOST_SIZES], *more])
 
 
 def mass_text(answer: MeshAnswer) -> str:
@@ -173,6 +186,11 @@ def solid_text(answer: SolidAnswer, path: str) -> str:
         f"{path}: {plural(answer.triangles, 'triangle')}\n"
         f"volume {number(answer.volume)} {answer.units}^3, area {number(answer.area)} {answer.units}^2, extents {sides}"
     )
+
+
+def show(text: str) -> None:
+    """A result, on standard output."""
+    sys.stdout.write(text.rstrip("\n") + "\n")
 
 
 def number(value: Any) -> str:

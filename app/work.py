@@ -66,12 +66,16 @@ def find_task(payload: Payload, _artifacts: Artifacts, _progress: Progress) -> s
     return find(_csg(payload).root, payload["node"])[0]
 
 
-def material_task(payload: Payload, _artifacts: Artifacts, _progress: Progress) -> str:
-    """Name of the material that a mesh of the model would have; OptionError where there is none."""
+def mesh_names_task(payload: Payload, _artifacts: Artifacts, _progress: Progress) -> None:
+    """OptionError where a request to mesh the model names a material or a node that there is none of."""
+    from app.meshoptions import check_names
     from kernel.materials import choose_material
+    from kernel.mesh.options import MeshOptions
     from kernel.units import unit_set
 
-    return choose_material(payload["material"], _csg(payload), unit_set(payload["units"])).name
+    csg = _csg(payload)
+    choose_material(payload["material"], csg, unit_set(payload["units"]))
+    check_names(MeshOptions(**payload["options"]), csg)
 
 
 def solid_task(payload: Payload, artifacts: Artifacts, _progress: Progress) -> str:
@@ -182,7 +186,7 @@ TASKS: dict[str, Callable[[Payload, Artifacts, Progress], Any]] = {
     "read": read_task,
     "tree": tree_task,
     "find": find_task,
-    "material": material_task,
+    "mesh_names": mesh_names_task,
     "solid": solid_task,
     "classify": classify_task,
     "explain": explain_task,

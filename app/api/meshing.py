@@ -15,10 +15,10 @@ from starlette.responses import StreamingResponse
 from app.api.context import Ctx, question_key
 from app.api.problems import documented, problem_responses
 from app.failure import problem
+from app.meshoptions import asked
 from app.schemas import MeshAnswer, Problem, Schema
 from app.store import FINISHED, JobRow
 from kernel.deck.deck import format_for, formats
-from kernel.mesh.options import MeshOptions
 from kernel.units import unit_set
 
 router = APIRouter(prefix="/v1", tags=["meshes"])
@@ -59,6 +59,9 @@ class MeshRequest(Schema):
     """How to mesh; everything has a default."""
 
     size: float | None = Field(default=None, description="target length of an element's edge; automatic without")
+    sizes: dict[str, float] = Field(
+        default_factory=dict, description="sizes of single segments, by segment id, node path or name"
+    )
     order: Literal[1, 2] = 1
     faces: Literal["quad", "tri"] = "quad"
     volumes: Literal["auto", "hex", "tet"] = "auto"
@@ -117,11 +120,11 @@ def create_mesh(
 ) -> JobResource:
     """Mesh a model as it stands, with its overrides, as a job."""
     model = context.model(model_id)
-    options = {"size": wanted.size, "order": wanted.order, "faces": wanted.faces, "volumes": wanted.volumes}
     units = unit_set(wanted.units or model.units)
-    # checked here already, so that a wrong one is refused before it is queued
-    MeshOptions(size=wanted.size, order=wanted.order, faces=wanted.faces, volumes=wanted.volumes)
-    context.ask("material", {**context.text_payload(model), "material": wanted.material, "units": units.name})
+    # checked here already, so that what is wrong is refused before it is queued
+    options = asked(wanted)
+    about = {**context.text_payload(model), "material": wanted.material, "units": units.name, "options": options}
+    context.ask("mesh_names", about)
     payload = {
         **context.model_payload(model, wanted.rulebase, wanted.units),
         "options": options,

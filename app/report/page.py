@@ -53,6 +53,7 @@ def report_page(meshed: Meshed) -> str:
         *(_figure(name, content, _extents(meshed)) for name, content in pictures(meshed).items()),
         "<h2>Segments</h2>",
         _segments(answer, colours, {path: node.kind for path, node in walk(meshed.classified.csg.root)}),
+        *_sizes(answer),
         "<h2>Joints</h2>",
         _table(("joint", "kind", "segments", "area"), [_joint(j) for j in answer.joints]) or "<p>None.</p>",
         "<h2>Element quality</h2>",
@@ -72,8 +73,14 @@ def _summary(answer: MeshAnswer) -> str:
     components = plural(answer.components, "component")
     return escape(
         f"{plural(len(answer.segments), 'segment')}, {plural(answer.nodes, 'node')}, {elements}; {components}; "
-        f"units {answer.units}; rule base {answer.rule_base}"
+        f"size {number(answer.size.value)} ({answer.size.because}); units {answer.units}; rule base {answer.rule_base}"
     )
+
+
+def _sizes(answer: MeshAnswer) -> list[str]:
+    """The segments whose elements have another size than the model's."""
+    rows = [(each.segment, f"{each.size:.4g}", each.because) for each in answer.size.segments]
+    return ["<h2>Sizes of their own</h2>", _table(("segment", "size", "why"), rows)] if rows else []
 
 
 def _extents(meshed: Meshed) -> str:

@@ -11,10 +11,11 @@ from numpy.typing import NDArray
 from kernel.connect.couplings import make_couplings
 from kernel.connect.mass import block_moments
 from kernel.connect.model import Model, NamedSet, Property
-from kernel.csg.tree import CsgModel, find, walk
+from kernel.csg.tree import CsgModel, walk
 from kernel.errors import DefectError, OptionError
 from kernel.materials import Material, choose_material
 from kernel.mesh.mesh import ElementBlock, Mesh
+from kernel.segment.addresses import by_segment, is_under
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -128,32 +129,13 @@ def _materials(
     general: str | None, wanted: Mapping[str, str], csg: CsgModel, units: UnitSet, segments: Sequence[Segment]
 ) -> dict[str, Material]:
     """The material of each segment, by id."""
-    ids = [segment.id for segment in segments]
-    by_path: dict[str, Material] = {}
-    by_id: dict[str, Material] = {}
-    for address, name in wanted.items():
-        found = choose_material(name, csg, units)
-        if address in ids:
-            by_id[address] = found
-        else:
-            by_path[find(csg.root, address)[0]] = found
-    unused = [path for path in by_path if not any(_is_under(segment.node, path) for segment in segments)]
-    if unused:
-        raise OptionError(f"node {unused[0]} has no segments of its own, expected a node that is meshed, or a segment")
-    everywhere = [segment.id for segment in segments if not _is_covered(segment, by_id, by_path)]
-    rest = choose_material(general, csg, units) if everywhere else None
-    result = {}
-    for segment in segments:
-        above = [path for path in by_path if _is_under(segment.node, path)]
-        deepest = max(above, key=lambda path: (path != "/", path.count("."), len(path)), default=None)
-        own = by_id.get(segment.id) or (by_path[deepest] if deepest is not None else rest)
-        assert own is not None
-        result[segment.id] = own
+    found = {address: choose_material(name, csg, units) for address, name in wanted.items()}
+    own = by_segment(found, csg.root, segments, "material")
+    result = {name: material for name, (material, _) in own.items()}
+    others = [segment.id for segment in segments if segment.id not in own]
+    if others:
+        result |= dict.fromkeys(others, choose_material(general, csg, units))
     return result
-
-
-def _is_covered(segment: Segment, by_id: Mapping[str, Material], by_path: Mapping[str, Material]) -> bool:
-    return segment.id in by_id or any(_is_under(segment.node, path) for path in by_path)
 
 
 def _by_joint(wanted: Mapping[str, str], assembly: Assembly) -> Mapping[str, str]:
@@ -175,17 +157,13 @@ def _sets(csg: CsgModel, segments: Sequence[Segment], mesh: Mesh) -> tuple[Named
         counts[name] = counts.get(name, 0) + 1
     wanted: list[tuple[str, list[str]]] = []
     for name, path in named:
-        inside = [segment.id for segment in segments if _is_under(segment.node, path)]
+        inside = [segment.id for segment in segments if is_under(segment.node, path)]
         if inside:
             unique = name if counts[name] == 1 else f"{name}_{'root' if path == '/' else path.replace('.', '_')}"
             wanted.append((unique, inside))
     wanted += [(segment.id, [segment.id]) for segment in segments]
     parts = _elements_and_nodes(mesh)
     return tuple(_named_set(name, [parts[segment] for segment in inside]) for name, inside in wanted)
-
-
-def _is_under(path: str, ancestor: str) -> bool:
-    return ancestor == "/" or path == ancestor or path.startswith(f"{ancestor}.")
 
 
 def _elements_and_nodes(mesh: Mesh) -> dict[str, tuple[NDArray[np.int64], NDArray[np.int64]]]:

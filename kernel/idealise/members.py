@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from kernel.connect.joints import Joint
 from kernel.idealise.section import SectionProperties
 from kernel.mesh.mesh import Mesh
+from kernel.mesh.size_field import Sizes
 from kernel.segment.segments import Segment
 
 Vector = NDArray[np.float64]
@@ -68,5 +69,5 @@ class Assembly:
     ledger: tuple[LedgerRow, ...] = ()
     curve_uses: NDArray[np.int64] = field(default_factory=lambda: np.empty((0, 3), np.int64))
     warnings: tuple[str, ...] = ()
-    size: float = 0.0
-    """The element size that was used where no segment has one of its own."""
+    sizes: Sizes = field(default_factory=lambda: Sizes(0.0, "", {}))
+    """The element sizes that were used, and what they come from."""

@@ -32,7 +32,7 @@ from kernel.mesh.meshed import Meshed
 from kernel.mesh.nodes import NodeTable
 from kernel.mesh.options import MeshOptions
 from kernel.mesh.second_order import raise_order
-from kernel.mesh.size_field import automatic_size, segment_sizes
+from kernel.mesh.size_field import plan_sizes
 from kernel.mesh.ties import make_ties
 from kernel.segment.segments import Segment
 from kernel.units import VERTEX_TOLERANCE
@@ -64,11 +64,11 @@ def assemble(
     segments, where something cannot be done.
     """
     report = progress or _silent
-    size = options.size or automatic_size(segments, evaluated.size)
+    planned = plan_sizes(segments, options, evaluated.model.root, evaluated.size)
+    sizes = planned.by_segment
     parts = idealise(segments, joints, evaluated.size, options.volumes)
     report("idealised", 0.2)
     nodes = NodeTable()
-    sizes = segment_sizes(segments, options, size)
     curves = seed_curves(
         parts.topology,
         parts.topology.curves(),
@@ -106,8 +106,8 @@ def assemble(
         ties=ties,
         ledger=volume_ledger(parts),
         curve_uses=_curve_uses(curves),
-        warnings=(*parts.warnings, *near_misses(segments, evaluated, joints)),
-        size=size,
+        warnings=(*planned.warnings, *parts.warnings, *near_misses(segments, evaluated, joints)),
+        sizes=planned,
     )
 
 

@@ -191,12 +191,31 @@ def test_the_same_mesh_is_not_made_twice(client, table, mesh):
     assert (job["state"], job["mesh_id"]) == ("done", mesh["id"])
 
 
+def test_a_node_may_have_a_size_of_its_own(client, table):
+    job = client.post(f"/v1/models/{table}/meshes", json={"size": 100, "sizes": {"0": 40}}).headers["location"]
+    with client.stream("GET", f"{job}/events") as stream:
+        assert list(stream.iter_lines())
+    size = client.get(f"/v1/meshes/{client.get(job).json()['mesh_id']}").json()["size"]
+    assert size["value"] == 100
+    assert size["segments"] == [{"segment": "s1", "size": 40, "because": "asked for 0"}]
+
+
+def test_a_size_of_a_segment_that_there_is_none_of_fails_the_job(client, table):
+    job = client.post(f"/v1/models/{table}/meshes", json={"sizes": {"s77": 40}}).headers["location"]
+    with client.stream("GET", f"{job}/events") as stream:
+        assert list(stream.iter_lines())
+    assert "size of 's77': no node 's77'" in client.get(job).json()["problem"]["detail"]
+
+
 @pytest.mark.parametrize(
     "body, complaint",
     [
         ({"size": 0}, "size is 0"),
         ({"size": "big"}, "size"),
         ({"order": 3}, "order"),
+        ({"sizes": {"0": -1}}, "size of '0' is -1, expected a positive number"),
+        ({"sizes": {"0": "fine"}}, "fine"),
+        ({"sizes": {"LID": 5}}, "size of 'LID': no node 'LID' in the model, expected '/'"),
         ({"material": "cheese"}, "cheese"),
         ({"material": "/etc/passwd"}, "/etc/passwd"),
         ({"units": "furlong"}, "furlong"),

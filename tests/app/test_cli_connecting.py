@@ -39,12 +39,35 @@ def test_a_node_may_be_of_another_material(tmp_path):
     assert deck.read_text().count("\nMAT1") == 2
 
 
+def test_a_node_may_have_elements_of_another_size_and_the_answer_says_so(tmp_path):
+    deck = tmp_path / "table.bdf"
+    counts = {}
+    for more in ((), ("--size-of", "0=20")):
+        done = csgmesh("mesh", TABLE, "-o", str(deck), "--size", "100", "--json", *more)
+        assert done.returncode == 0, done.stderr
+        answer = json.loads(done.stdout)
+        counts[more] = answer["elements"]
+    assert counts["--size-of", "0=20"]["quad4"] > 8 * counts[()]["quad4"]
+    assert counts["--size-of", "0=20"]["line2"] == counts[()]["line2"]
+    assert answer["size"] == {
+        "value": 100.0,
+        "automatic": False,
+        "because": "as asked",
+        "segments": [{"segment": "s1", "size": 20.0, "because": "asked for 0"}],
+    }
+
+
 @pytest.mark.parametrize(
     ("option", "complaint"),
     [
         (("--joint", "j2"), "expected JOINT=COUPLING"),
         (("--joint", "j2=glue"), "unknown coupling 'glue'"),
         (("--joint", "j99=rigid"), "no joint 'j99'"),
+        (("--size-of", "0"), "--size-of '0': expected NODE=SIZE, such as TOP=20"),
+        (("--size-of", "0=fine"), "--size-of 0=fine: 'fine' is wrong, expected a number"),
+        (("--size-of", "0=-1"), "size of '0' is -1, expected a positive number"),
+        (("--size-of", "LID=5"), "size of 'LID': no node 'LID' in the model, expected '/'"),
+        (("--size-of", "s77=5"), "size of 's77': no node 's77' in the model"),
         (("--material-of", "0"), "expected NODE=NAME"),
         (("--material-of", "0=cheese"), "unknown material 'cheese'"),
         (("--material-of", "7.7=steel"), "no node '7.7'"),

@@ -11,7 +11,7 @@ from kernel.connect.build import build_model, clean_coordinates
 from kernel.connect.checks import check_model
 from kernel.connect.model import Mpc, Rbe2, Rbe3
 from kernel.csg.reader import read_model
-from kernel.errors import OptionError, OverrideError
+from kernel.errors import OptionError
 from kernel.idealise.members import Assembly
 from kernel.materials import choose_material
 from kernel.mesh.assemble import assemble
@@ -229,5 +229,5 @@ def test_the_deeper_node_decides_the_material():
 
 
 def test_a_material_of_nothing_is_refused():
-    with pytest.raises(OverrideError, match="no node 'LID'"):
+    with pytest.raises(OptionError, match="material of 'LID': no node 'LID'"):
         build(TABLE, materials_of={"LID": "steel"})

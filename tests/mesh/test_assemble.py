@@ -173,7 +173,7 @@ def test_hexahedra_only_are_refused_where_a_brick_cannot_be_swept():
 def test_a_segments_own_size_holds_along_its_curves():
     model = union(cube(200, 120, 10), cube(200, 8, 100, (0, 56, 10)))
     coarse, _ = assembled(model, size=20.0)
-    fine, _ = assembled(model, size=20.0, segment_sizes={"s2": 5.0})
+    fine, _ = assembled(model, size=20.0, sizes={"s2": 5.0})
     assert audit(fine) == WHOLE
     assert len(fine.mesh.blocks[1].connectivity) > 10 * len(coarse.mesh.blocks[1].connectivity)
     assert len(fine.mesh.blocks[0].connectivity) > len(coarse.mesh.blocks[0].connectivity)

@@ -6,32 +6,82 @@ from app.pipeline import classify
 from kernel.csg.reader import read_model
 from kernel.errors import OptionError
 from kernel.mesh.options import MeshOptions
-from kernel.mesh.size_field import PER_TURN, segment_sizes
+from kernel.mesh.size_field import PER_TURN, Sizes, plan_sizes
 
 
-def segments_of(text: str):
-    return classify(read_model(text, "model.csg")).partition.segments
+def planned(text: str, **options) -> Sizes:
+    classified = classify(read_model(text, "model.csg"))
+    segments, evaluated = classified.partition.segments, classified.evaluated
+    return plan_sizes(segments, MeshOptions(**options), evaluated.model.root, evaluated.size)
 
 
 PLATE = "A = BLO(200, 100, 5)\n"
 PIPE = "A = CYL(R=50, H=300) DIF CYL(R=48, H=302) AT (MOVZ=-1)\n"
+TABLE = """
+TOP = BLO(1000, 600, 25) AT (MOVZ=700)
+LEG1 = BLO(40, 40, 700)
+LEG2 = BLO(40, 40, 700) AT (MOVX=960, MOVY=560)
+LEGS = LEG1 UN LEG2
+T = TOP UN LEGS
+"""
 
 
-def test_a_size_larger_than_the_part_is_the_parts():
-    assert segment_sizes(segments_of(PLATE), MeshOptions(), 1e6) == {"s1": pytest.approx(200)}
+def test_a_size_larger_than_the_part_is_the_parts_and_the_user_is_told():
+    sizes = planned(PLATE, size=1e6)
+    assert sizes.by_segment == {"s1": pytest.approx(200)}
+    assert sizes.warnings == ("s1 (/): size 1e+06 is held down to 200, its largest extent",)
 
 
 def test_a_size_that_no_solver_takes_is_refused_with_one_that_would_do():
     with pytest.raises(OptionError, match=r"size 1e-09 would give about 2e\+22 elements, expected a size of 0\.\d+ or"):
-        segment_sizes(segments_of(PLATE), MeshOptions(), 1e-9)
+        planned(PLATE, size=1e-9)
 
 
 def test_a_pipe_is_divided_often_enough_to_be_round():
-    (size,) = segment_sizes(segments_of(PIPE), MeshOptions(), 100.0).values()
-    assert size == pytest.approx(2 * 3.14159265 * 49 / PER_TURN, rel=1e-6)
+    sizes = planned(PIPE, size=100.0)
+    assert sizes.by_segment["s1"] == pytest.approx(2 * 3.14159265 * 49 / PER_TURN, rel=1e-6)
+    (warning,) = sizes.warnings
+    assert warning == "s1 (/): size 100 is held down to 12.83, 24 elements round its circle"
 
 
-def test_a_segment_has_a_size_of_its_own_by_id_or_name():
-    segments = segments_of(PLATE)
-    assert segment_sizes(segments, MeshOptions(segment_sizes={"A": 7.0}), 20.0) == {"s1": 7.0}
-    assert segment_sizes(segments, MeshOptions(segment_sizes={"s1": 8.0}), 20.0) == {"s1": 8.0}
+def test_the_automatic_size_tells_what_it_comes_from_and_is_bounded_without_a_warning():
+    sizes = planned(PLATE)
+    assert sizes.size == pytest.approx(5.6)
+    assert sizes.because == "automatic: 1/40 of the model's size 223.7"
+    assert planned(PIPE).warnings == ()
+
+
+def test_a_segment_has_a_size_of_its_own_by_id_path_or_name():
+    for address in ("A", "a", "s1", "/"):
+        sizes = planned(PLATE, size=20.0, sizes={address: 7.0})
+        assert sizes.by_segment == {"s1": 7.0}
+        assert sizes.reasons == {"s1": f"asked for {address}"}
+
+
+def test_of_nodes_the_deepest_gives_the_size_and_a_segments_id_wins_over_nodes():
+    by_name = {s: v for s, v in planned(TABLE, size=50.0, sizes={"/": 40, "LEGS": 30, "LEG2": 20}).by_segment.items()}
+    assert sorted(by_name.values()) == [20, 30, 40]
+    (leg,) = [segment for segment, size in by_name.items() if size == 20]
+    assert planned(TABLE, sizes={"LEG2": 20, leg: 10}).by_segment[leg] == 10
+
+
+@pytest.mark.parametrize(
+    ("sizes", "complaint"),
+    [
+        ({"LID": 5.0}, "size of 'LID': no node 'LID' in the model, expected '/', a path such as '0.1', or a node's"),
+        ({"LEG": 5.0}, "did you mean 'LEGS'"),
+        ({"s9": 5.0}, "size of 's9': no node 's9' in the model.* or a segment from s1 to s3"),
+        ({"LEG1": 5.0, "1.0": 6.0}, "size of 'LEG1' and of '1.0': both are node 1.0, expected one"),
+        ({"TOP": 0.0}, "size of 'TOP' is 0, expected a positive number"),
+        ({"TOP": float("nan")}, "size of 'TOP' is nan"),
+    ],
+)
+def test_a_size_of_nothing_is_refused_with_what_was_expected(sizes, complaint):
+    with pytest.raises(OptionError, match=complaint):
+        planned(TABLE, sizes=sizes)
+
+
+def test_a_size_of_a_hole_has_no_segment_to_be_the_size_of():
+    drilled = "P = BLO(200, 100, 5)\nH = CYL(R=9, H=9) AT (MOVX=50, MOVY=50, MOVZ=-2)\nD = P DIF H\n"
+    with pytest.raises(OptionError, match=r"size of 'H': node 1 has no segments of its own, expected .* \(D\)"):
+        planned(drilled, sizes={"H": 2.0})

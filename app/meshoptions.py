@@ -1,0 +1,58 @@
+"""The options of a mesh in words: what the command line writes as text, and the service as JSON, as MeshOptions.
+
+A mapping is written NAME=VALUE on the command line, once for each entry, and {"NAME": VALUE} in JSON.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import fields
+from typing import Any
+
+from kernel.csg.tree import CsgModel
+from kernel.errors import OptionError
+from kernel.mesh.options import MeshOptions
+from kernel.segment.addresses import check_addresses
+
+ASKED = tuple(field.name for field in fields(MeshOptions) if field.name != "deadline")
+"""The options that a user may give, by the names that HTTP has for them."""
+
+
+def asked(given: object) -> dict[str, Any]:
+    """The mesh options among the attributes of a request, checked: OptionError where one is outside its range."""
+    options = {name: getattr(given, name) for name in ASKED}
+    MeshOptions(**options)
+    return options
+
+
+def check_names(options: MeshOptions, csg: CsgModel) -> None:
+    """OptionError for what the model's text already shows to be of no node: said before anything is computed."""
+    check_addresses(options.sizes, csg.root, "size")
+
+
+def by_name(given: Sequence[str] | None, option: str, form: str, example: str) -> dict[str, str]:
+    """NAME=VALUE by name; OptionError where one is written otherwise or a name stands twice."""
+    found: dict[str, str] = {}
+    for text in given or []:
+        name, equals, value = (part.strip() for part in text.rpartition("="))
+        if not equals or not name or not value:
+            raise OptionError(f"{option} {text!r}: expected {form}, such as {example}")
+        if name in found:
+            raise OptionError(f"{option} {text!r}: {name} is given twice, expected once")
+        found[name] = value
+    return found
+
+
+def lengths(given: Sequence[str] | None, option: str, form: str, example: str) -> dict[str, float]:
+    """NAME=LENGTH by name."""
+    return {
+        name: _number(text, option, name, float, "a number")
+        for name, text in by_name(given, option, form, example).items()
+    }
+
+
+def _number(text: str, option: str, name: str, kind: type, wanted: str) -> Any:
+    try:
+        return kind(text)
+    except ValueError:
+        raise OptionError(f"{option} {name}={text}: {text!r} is wrong, expected {wanted}") from None
