@@ -83,6 +83,8 @@ def read_document(text: str, file: str) -> Item | None:
     except yaml.MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
         place = Place(file, mark.line + 1, mark.column + 1) if mark else Place(file, 1, 1)
+        if "nesting depth" in (error.problem or ""):  # libyaml looks ahead further than our reader, and has a limit
+            raise _refused(place, f"nested deeper than {MAX_DEPTH} levels") from None
         what = " ".join(part for part in (error.context, error.problem) if part)
         raise _refused(place, f"not readable as YAML: {what}") from None
     except yaml.YAMLError as error:

@@ -35,18 +35,19 @@ EMPTY = 1e-9
 
 def cut_at_neck(solid: Solid) -> tuple[Solid, ...]:
     """The two or more pieces that a cut at the smallest neck gives, in a fixed order; () where there is no neck."""
-    best: tuple[float, Plane, Solid] | None = None
+    best: tuple[float, Plane, Solid, Solid] | None = None
     for plane in _planes_at_concave_edges(solid):
         upper = half_space_cut(solid, plane.normal, plane.offset)
-        if upper.is_empty:
+        lower = half_space_cut(solid, -plane.normal, -plane.offset)
+        if upper.is_empty or lower.is_empty:
             continue
-        for patch in parts_of(_cut_face(upper, plane, -1).difference(_cut_face(solid, plane, -1))):
+        # inside the solid, the plane bounds both halves; a face of the solid that lies on it bounds one
+        for patch in parts_of(_face_on(upper, plane, -1).intersection(_face_on(lower, plane, 1))):
             if best is None or patch.area < best[0] * (1.0 - 1e-6):
-                best = (patch.area, plane, upper)
+                best = (patch.area, plane, upper, lower)
     if best is None:
         return ()
-    area, plane, upper = best
-    lower = half_space_cut(solid, -plane.normal, -plane.offset)
+    area, plane, upper, lower = best
     pieces = [(piece, side) for half, side in ((upper, -1), (lower, 1)) for piece in half.components()]
     pieces = [(piece, side) for piece, side in pieces if piece.volume > EMPTY * solid.volume]
     return _joined(pieces, plane, NECK_RATIO * area)
@@ -67,17 +68,17 @@ def _planes_at_concave_edges(solid: Solid) -> list[Plane]:
     return planes if len(planes) <= MOST_PLANES else []
 
 
-def _cut_face(piece: Solid, plane: Plane, side: int) -> Region:
-    """The face that the cut made in a piece: on the plane, on the cut's side, from no primitive."""
+def _face_on(piece: Solid, plane: Plane, side: int) -> Region:
+    """The piece's face on the plane, looking along its normal (side 1) or against it (-1)."""
     facets: Facets = piece.facets
     at = np.abs(facets.centroids @ plane.normal - plane.offset) < 10.0 * piece.surfaces.tolerance
-    mask = at & (facets.source < 0) & (facets.normals @ plane.normal * side > 0.99)
+    mask = at & (facets.normals @ plane.normal * side > 0.99)
     return face_polygon(facets, mask, plane.u, plane.v) if mask.any() else Polygon()
 
 
 def _joined(pieces: list[tuple[Solid, int]], plane: Plane, limit: float) -> tuple[Solid, ...]:
     """The pieces, joined again over patches larger than `limit`; () where that leaves one."""
-    faces = [_cut_face(piece, plane, side) for piece, side in pieces]
+    faces = [_face_on(piece, plane, side) for piece, side in pieces]
     group = list(range(len(pieces)))
     for i, (_, side_i) in enumerate(pieces):
         for j, (_, side_j) in enumerate(pieces[:i]):
