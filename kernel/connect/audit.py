@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 def connected_components(model: Model) -> int:
     """Pieces of the model, elements and couplings counted as connections. Nodes of neither count not at all."""
-    labels = _labels(model)
+    labels = component_labels(model)
     used = np.zeros(model.mesh.n_node, dtype=bool)
     for block in model.mesh.blocks:
         used[block.connectivity.ravel()] = True
@@ -26,7 +26,7 @@ def connected_components(model: Model) -> int:
 
 def component_segments(model: Model) -> tuple[tuple[str, ...], ...]:
     """Ids of the segments in each of those pieces, in the order of the segments; pieces by their first segment."""
-    labels = _labels(model)
+    labels = component_labels(model)
     pieces: dict[int, dict[str, None]] = {}
     for block in model.mesh.blocks:
         for label in np.unique(labels[block.connectivity.ravel()]).tolist():
@@ -123,8 +123,8 @@ def edge_cracks(mesh: Mesh, curve_uses: NDArray[np.int64]) -> int:
     return int((counts != expected).sum()) + missing
 
 
-def _labels(model: Model) -> NDArray[np.int64]:
-    """A label for each node, equal within a piece: the smallest is passed on until nothing changes."""
+def component_labels(model: Model) -> NDArray[np.int64]:
+    """(n_node,) a label for each node, equal within a piece: the smallest is passed on until nothing changes."""
     pairs: list[NDArray[np.int64]] = []
     for block in model.mesh.blocks:
         nodes = block.connectivity

@@ -6,9 +6,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 from verification.solvers import run_mystran
+from weighing import dependent_nodes
 
 from app.pipeline import Meshed, classify, mesh, read
-from kernel.connect.model import Mpc, Rbe2
 from kernel.deck.nastran import nastran_self_weight
 from kernel.mesh.options import MeshOptions
 from kernel.plan import Override
@@ -23,16 +23,6 @@ pytestmark = pytest.mark.solver
 @cache
 def meshed(file: str) -> Meshed:
     return mesh(classify(read(str(EXAMPLES / file))))
-
-
-def dependent_nodes(model) -> set[int]:
-    nodes: set[int] = set()
-    for coupling in model.couplings:
-        if isinstance(coupling, Rbe2):
-            nodes.update(coupling.dependent.tolist())
-        else:
-            nodes.add(int(coupling.nodes[0]) if isinstance(coupling, Mpc) else coupling.dependent)
-    return nodes
 
 
 def lowest_nodes(model, axis: int) -> list[int]:
