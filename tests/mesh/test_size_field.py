@@ -59,7 +59,7 @@ def test_a_segment_has_a_size_of_its_own_by_id_path_or_name():
 
 
 def test_of_nodes_the_deepest_gives_the_size_and_a_segments_id_wins_over_nodes():
-    by_name = {s: v for s, v in planned(TABLE, size=50.0, sizes={"/": 40, "LEGS": 30, "LEG2": 20}).by_segment.items()}
+    by_name = dict(planned(TABLE, size=50.0, sizes={"/": 40, "LEGS": 30, "LEG2": 20}).by_segment)
     assert sorted(by_name.values()) == [20, 30, 40]
     (leg,) = [segment for segment, size in by_name.items() if size == 20]
     assert planned(TABLE, sizes={"LEG2": 20, leg: 10}).by_segment[leg] == 10
