@@ -25,8 +25,8 @@ def mesh_region(region: Region, size: float, faces: str = "quad", growth: float 
 
     faces: "quad": all quads (a few triangles only where curves lie so near to each other that quads would be bad),
     which asks for an even number of edges on each curve; "mixed": the same on any number; "tri": all triangles.
-    growth: where edges of the region are shorter than `size`, elements beside them are as short, and grow by this much
-    per unit of distance from them.
+    growth: elements are as long as the edges beside them; from shorter edges they grow, from longer ones they shrink to
+    `size`, by this much per unit of distance.
     The first n_point nodes of the result are the region's points; every edge of the region is an edge of the mesh;
     no element is inverted and no quad under a scaled Jacobian of 0.2. MeshError, with the place, where the region
     cannot be meshed: a boundary that is no ring, points or edges that meet where they should not, an odd curve.

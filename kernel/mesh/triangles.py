@@ -11,6 +11,7 @@ from kernel.mesh.constrained import Edges, constrained, edges_of
 from kernel.mesh.region import Region, RegionMesh
 from kernel.numeric.lattice import place_lattice
 from kernel.numeric.refine import refine
+from kernel.numeric.size_grid import base_grid
 from kernel.numeric.smooth_triangles import active_nodes, raise_smallest_angles, smooth_triangles
 from kernel.numeric.valence import even_valences, lock_sharp_corners, remove_low_valence
 
@@ -42,16 +43,22 @@ def triangle_mesh(region: Region, size: float, growth: float) -> RegionMesh:
     points = np.array(region.points, dtype=np.float64, order="C")
     n_point = len(points)
     edges = edges_of(region)
-    placed = place_lattice(points, *edges.arrays, float(size), *_lattice_frame(points, edges, size))
-    n_node = len(placed)
-    n_spare = n_node // 2 + 4 * n_point + 100
-    mesh = constrained(placed, n_point, edges, n_spare)
+    base, is_graded, *base_place = base_grid(points, edges.start, edges.end, float(size), growth)
+    frame = _lattice_frame(points, edges, size)
+    placed = place_lattice(points, *edges.arrays, float(size), *frame, is_graded, base, *base_place)
+    n_spare = len(placed) // 2 + 4 * n_point + 100
+    while True:
+        mesh = constrained(placed, n_point, edges, n_spare)
+        nodes = np.empty((len(placed) + n_spare, 2))
+        nodes[: len(placed)] = placed
+        grid = (mesh.x, mesh.y, mesh.origin, mesh.scale)
+        n_node, n_triangle = refine(
+            nodes, len(placed), *grid, *mesh.half_edges, mesh.n_triangle, base, *base_place, growth
+        )
+        if n_node < len(nodes) - 1:
+            break
+        n_spare *= 4  # the room is used up
     corner, _, _, leaving = half_edges = mesh.half_edges
-    nodes = np.empty((n_node + n_spare, 2))
-    nodes[:n_node] = placed
-    n_node, n_triangle = refine(
-        nodes, n_node, mesh.x, mesh.y, mesh.origin, mesh.scale, *half_edges, mesh.n_triangle, float(size), growth
-    )
     is_fixed = np.zeros(n_node, np.uint8)
     is_fixed[:n_point] = 1
     lock_sharp_corners(nodes, *half_edges, n_node, _SHARP_CORNER)

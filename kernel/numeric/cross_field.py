@@ -12,6 +12,7 @@ import math
 import numpy as np
 
 from kernel.numeric.compiled import compiled
+from kernel.numeric.size_grid import bilinear
 
 _SWEEPS = 60
 _OVER_RELAXATION = 1.7
@@ -93,21 +94,6 @@ def cross_field(points, start, end, cell, x0, y0, n_x, n_y, dominant_cos, domina
                 field_cos[q] += _OVER_RELAXATION * ((around_cos + screen * dominant_cos) * weight - field_cos[q])
                 field_sin[q] += _OVER_RELAXATION * ((around_sin + screen * dominant_sin) * weight - field_sin[q])
     return field_cos, field_sin
-
-
-@compiled
-def bilinear(px, py, values, cell, x0, y0, n_x, n_y):
-    """Cell values, taken at cell centres, interpolated at p."""
-    u = (px - x0) / cell - 0.5
-    v = (py - y0) / cell - 0.5
-    i = min(max(int(math.floor(u)), 0), n_x - 2)
-    j = min(max(int(math.floor(v)), 0), n_y - 2)
-    u -= i
-    v -= j
-    q = j * n_x + i
-    lower = (1 - u) * values[q] + u * values[q + 1]
-    upper = (1 - u) * values[q + n_x] + u * values[q + n_x + 1]
-    return (1 - v) * lower + v * upper
 
 
 @compiled

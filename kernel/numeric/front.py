@@ -8,7 +8,7 @@
                         plate runs up to the holes and the irregular nodes gather at them. Holes
                         of four coarse edges fit in as squares: they grow a ring of their own before all.
 
-Sizes: the lengths of short edges, growing by `growth` per unit of distance from them, on a grid of their own.
+Sizes come from a grid of their own (see size_grid): the front is graded between short and long edges.
 Degenerate cases: a candidate across an edge is refused by an exact crossing test; inside or outside is told by the
 side of the nearest boundary edge (of two equally near, the one whose line is farther: a corner's true side).
 """
@@ -22,17 +22,16 @@ import numpy as np
 from kernel.numeric.arrays import bounds, copy_points
 from kernel.numeric.bins import bin_edges, segment_distance2
 from kernel.numeric.compiled import compiled
-from kernel.numeric.cross_field import bilinear, cross_angle, cross_field
+from kernel.numeric.cross_field import cross_angle, cross_field
 from kernel.numeric.halfedge import BOUNDARY
-from kernel.numeric.size_grid import spread
+from kernel.numeric.size_grid import bilinear, size_grid
 
 _NODE_CLEARANCE = 0.7
 _EDGE_CLEARANCE = 0.6
-_SHORT = 0.8
-"""Edges under this share of the size are meant: the mesh is graded towards them."""
-_MOST_FINER = 16
-_MOST_CELLS = 1000000
 _QUARTER = math.pi / 2
+_FINEST_BIN = 3
+_COARSEST_BIN = -3
+"""Bins of graded fronts have sides of size / 2^k, k between these."""
 EARLY = 0
 LATE = 1
 RING = 2
@@ -40,57 +39,21 @@ RING = 2
 
 
 @compiled
-def size_grid(points, start, end, size, x0, y0, x1, y1, growth):
-    """Wanted size by cell of a grid of its own, with its cells' side and numbers, and the smallest size.
-
-    The lengths of short edges, growing by `growth` per unit of distance. Cells as small as short edges ask for, but
-    not so many that the grid costs more than the mesh.
-    """
-    smallest = size
-    for i in range(len(start)):
-        a = start[i]
-        b = end[i]
-        smallest = min(smallest, math.hypot(points[b, 0] - points[a, 0], points[b, 1] - points[a, 1]))
-    finer = 1
-    if smallest < _SHORT * size:
-        n_coarse = (x1 - x0) * (y1 - y0) / (size * size)
-        most = _MOST_CELLS + 4 * n_coarse
-        while finer < _MOST_FINER and size / finer > 2 * smallest and n_coarse * (2 * finer) ** 2 < most:
-            finer *= 2
-    cell = size / finer
-    n_x = int((x1 - x0) / cell) + 1
-    n_y = int((y1 - y0) / cell) + 1
-    wanted = np.full(n_x * n_y, size)
-    if smallest < _SHORT * size:
-        for i in range(len(start)):
-            ax = points[start[i], 0]
-            ay = points[start[i], 1]
-            dx = points[end[i], 0] - ax
-            dy = points[end[i], 1] - ay
-            length = math.hypot(dx, dy)
-            if length < _SHORT * size:
-                n_sample = int(length / cell) + 1
-                for k in range(n_sample):
-                    t = (k + 0.5) / n_sample
-                    q = int((ay + t * dy - y0) / cell) * n_x + int((ax + t * dx - x0) / cell)
-                    wanted[q] = min(wanted[q], length)
-        spread(wanted, cell, n_x, n_y, growth)
-    return wanted, cell, n_x, n_y, smallest < _SHORT * size
-
-
-@compiled
 def _is_inside_and_free(
-    x, y, parent, angle, node2, edge2, nodes, head, successor, offset, edges, start, end, kind, i, j, n_x
+    x, y, parent, angle, node2, edge2, nodes, head, successor, offset, edges, start, end, kind, i0, i1, j0, j1, n_x
 ):
-    """True where the candidate (x, y) in cell (i, j), grown from `parent`, may stay. node2: half side of its square."""
+    """True where the candidate (x, y), grown from `parent`, may stay. node2: half side of its square.
+
+    i0 to i1, j0 to j1: columns and rows of the bins where it looks for nodes and edges.
+    """
     cosine = math.cos(angle)
     sine = math.sin(angle)
     nearest2 = 1e300
     side = 1.0
     from_x = nodes[parent, 0]
     from_y = nodes[parent, 1]
-    for jj in range(j - 1, j + 2):
-        for ii in range(i - 1, i + 2):
+    for jj in range(j0, j1 + 1):
+        for ii in range(i0, i1 + 1):
             k = jj * n_x + ii
             m = head[k]
             while m >= 0:
@@ -128,6 +91,24 @@ def _is_inside_and_free(
 
 
 @compiled
+def _bin_side(wanted, size):
+    """The side of bins, size / 2^k, in which a graded front finds its neighbours with the least work."""
+    best = size
+    least = 1e300
+    for k in range(_COARSEST_BIN, _FINEST_BIN + 1):
+        side = size * 2.0**-k
+        work = 0.0
+        for q in range(len(wanted)):
+            # nodes per cell of the field, times bins that each looks at, times 1 and the nodes in each
+            share = side / wanted[q]
+            work += (2 / share + 1) ** 2 * (1 + share * share) / (wanted[q] * wanted[q])
+        if work < least:
+            least = work
+            best = side
+    return best
+
+
+@compiled
 def grow_front(points, start, end, kind, order, size, dominant_cos, dominant_sin, screen, growth):
     """The region's coarse points (n_point, 2), then the nodes grown: (n, 2).
 
@@ -143,7 +124,14 @@ def grow_front(points, start, end, kind, order, size, dominant_cos, dominant_sin
     wanted, fine, fine_x, fine_y, is_graded = size_grid(
         points, start, end, size, x0, y0, x0 + n_x * size, y0 + n_y * size, growth
     )
-    offset, edges = bin_edges(points, start, end, x0, y0, size, n_x, n_y)
+    side = size
+    bin_x = n_x
+    bin_y = n_y
+    if is_graded:
+        side = _bin_side(wanted, size)
+        bin_x = int(n_x * size / side) + 1
+        bin_y = int(n_y * size / side) + 1
+    offset, edges = bin_edges(points, start, end, x0, y0, side, bin_x, bin_y)
     most = 4 * n_point + 100
     room = 0.0
     for q in range(fine_x * fine_y):
@@ -152,7 +140,7 @@ def grow_front(points, start, end, kind, order, size, dominant_cos, dominant_sin
     nodes = np.empty((most, 2))
     angles = np.empty(most)
     successor = np.full(most, -1, np.int32)
-    head = np.full(n_x * n_y, -1, np.int32)
+    head = np.full(bin_x * bin_y, -1, np.int32)
     tangent_cos = np.zeros(n_point)
     tangent_sin = np.zeros(n_point)
     for i in range(len(start)):
@@ -173,7 +161,7 @@ def grow_front(points, start, end, kind, order, size, dominant_cos, dominant_sin
             angles[i] = math.atan2(tangent_sin[i], tangent_cos[i]) / 4
         else:
             angles[i] = cross_angle(points[i, 0], points[i, 1], field_cos, field_sin, size, x0, y0, n_x, n_y)
-        k = int((points[i, 1] - y0) / size) * n_x + int((points[i, 0] - x0) / size)
+        k = int((points[i, 1] - y0) / side) * bin_x + int((points[i, 0] - x0) / side)
         successor[i] = head[k]
         head[k] = i
         if order[i] == RING:
@@ -218,9 +206,7 @@ def grow_front(points, start, end, kind, order, size, dominant_cos, dominant_sin
                 arm = middle + _QUARTER * np.rint((arm - middle) / _QUARTER)
                 x = px + step * math.cos(arm)
                 y = py + step * math.sin(arm)
-            i = int((x - x0) / size)
-            j = int((y - y0) / size)
-            if i < 1 or j < 1 or i >= n_x - 1 or j >= n_y - 1:
+            if x < x0 + size or y < y0 + size or x >= x0 + (n_x - 1) * size or y >= y0 + (n_y - 1) * size:
                 continue
             angle = cross_angle(x, y, field_cos, field_sin, size, x0, y0, n_x, n_y)
             here = size
@@ -228,9 +214,15 @@ def grow_front(points, start, end, kind, order, size, dominant_cos, dominant_sin
                 here = bilinear(x, y, wanted, fine, x0, y0, fine_x, fine_y)
             node2 = _NODE_CLEARANCE * here
             edge2 = (_EDGE_CLEARANCE * here) ** 2
+            reach = max(step, here)
+            i0 = max(0, int((x - reach - x0) / side))
+            i1 = min(bin_x - 1, int((x + reach - x0) / side))
+            j0 = max(0, int((y - reach - y0) / side))
+            j1 = min(bin_y - 1, int((y + reach - y0) / side))
             if not _is_inside_and_free(
-                x, y, p, angle, node2, edge2, nodes, head, successor, offset, edges, start, end, kind, i, j, n_x
-            ):
+                x, y, p, angle, node2, edge2, nodes, head, successor, offset, edges, start, end, kind, i0, i1, j0, j1,
+                bin_x,
+            ):  # fmt: skip
                 continue
             if n >= most:
                 break
@@ -239,7 +231,7 @@ def grow_front(points, start, end, kind, order, size, dominant_cos, dominant_sin
             angles[n] = angle
             if of_ring[p] == 1:
                 of_ring[n] = 2
-            k = j * n_x + i
+            k = int((y - y0) / side) * bin_x + int((x - x0) / side)
             successor[n] = head[k]
             head[k] = n
             queue[tail] = n

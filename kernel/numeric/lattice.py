@@ -20,12 +20,15 @@ from kernel.numeric.arrays import bounds, copy_points, sort_range
 from kernel.numeric.bins import bin_edges, segment_distance2
 from kernel.numeric.compiled import compiled
 from kernel.numeric.halfedge import BOUNDARY, IMPRINT
+from kernel.numeric.size_grid import bilinear
 
 _ROW = math.sqrt(3.0) / 2.0
 _EDGE_CLEARANCE = 0.62
 """Lattice nodes keep this times the size from edges, and _NODE_CLEARANCE from nodes: found by trial on plates with
 holes, the smallest that leaves no sliver after smoothing."""
 _NODE_CLEARANCE = 0.72
+_LATTICE_LONGEST = 1.1
+"""Beside long edges the lattice ends where this times the size is wanted: refinement fills the rest."""
 _APEX_CLEARANCE = 0.72
 """An apex keeps this times its edge's length from other nodes, and _APEX_EDGE_CLEARANCE from other edges."""
 _APEX_EDGE_CLEARANCE = 0.6
@@ -51,10 +54,13 @@ def _is_free(px, py, nodes, head, successor, offset, edges, points, start, end, 
 
 
 @compiled
-def place_lattice(points, start, end, kind, size, angle, origin_x, origin_y):
+def place_lattice(
+    points, start, end, kind, size, angle, origin_x, origin_y, is_graded, base, cell, base_x, base_y, n_base_x, n_base_y
+):
     """The region's points, then the inner nodes: (n, 2) float64.
 
-    angle: direction of the rows; origin: a node of the lattice. size: distance of its nodes.
+    angle: direction of the rows; origin: a node of the lattice. size: distance of its nodes. Where is_graded, the
+    lattice stays out of places where more than the size is wanted. base, cell...: see size_grid.long_edge_sizes.
     """
     n_point = len(points)
     n_edge = len(start)
@@ -161,6 +167,12 @@ def place_lattice(points, start, end, kind, size, angle, origin_x, origin_y):
             last = int(math.floor((crossings[k + 1] - shift) / size))
             for q in range(first, last + 1):
                 x = q * size + shift
+                if is_graded:
+                    here_x = origin_x + cosine * x - sine * y
+                    here_y = origin_y + sine * x + cosine * y
+                    here = bilinear(here_x, here_y, base, cell, base_x, base_y, n_base_x, n_base_y)
+                    if here > _LATTICE_LONGEST * size:
+                        continue
                 ci = int((x - x0) / size)
                 cj = int((y - y0) / size)
                 if _is_free(x, y, nodes, head, successor, offset, edges, turned, start, end, ci, cj, n_x, node2, edge2):

@@ -23,6 +23,7 @@ from kernel.numeric.bins import segment_distance2
 from kernel.numeric.compiled import compiled
 from kernel.numeric.delaunay import STACK, insert_in_triangle, locate
 from kernel.numeric.halfedge import following, preceding
+from kernel.numeric.size_grid import bilinear
 from kernel.numeric.triangulation import to_grid
 
 _RADIUS_TO_EDGE = 1.25
@@ -32,9 +33,14 @@ _SIZE_SWEEPS = 30
 
 
 @compiled
-def wanted_sizes(points, n_node, corner, twin, lock, n_triangle, size, growth):
-    """Size at each node, (len(points),): the mean of its constraint edges, at most `size`, growing by `growth`."""
-    wanted = np.full(len(points), size)
+def wanted_sizes(points, n_node, corner, twin, lock, n_triangle, base, cell, x0, y0, n_x, n_y, growth):
+    """Size at each node, (len(points),): the mean of its constraint edges, at most the base there, growing likewise.
+
+    base: sizes by cell (see size_grid).
+    """
+    wanted = np.empty(len(points))
+    for i in range(n_node):
+        wanted[i] = bilinear(points[i, 0], points[i, 1], base, cell, x0, y0, n_x, n_y)
     total = np.zeros(n_node)
     count = np.zeros(n_node)
     for e in range(3 * n_triangle):
@@ -48,17 +54,17 @@ def wanted_sizes(points, n_node, corner, twin, lock, n_triangle, size, growth):
             count[b] += 1
     for i in range(n_node):
         if count[i] > 0:
-            wanted[i] = min(size, total[i] / count[i])
+            wanted[i] = min(wanted[i], total[i] / count[i])
     for _ in range(_SIZE_SWEEPS):
         changed = False
         for e in range(3 * n_triangle):
             a = corner[e]
             b = corner[following(e)]
             step = math.hypot(points[a, 0] - points[b, 0], points[a, 1] - points[b, 1]) * growth
-            if wanted[a] > wanted[b] + step + 1e-9 * size:
+            if wanted[a] > (wanted[b] + step) * (1 + 1e-9):
                 wanted[a] = wanted[b] + step
                 changed = True
-            elif wanted[b] > wanted[a] + step + 1e-9 * size:
+            elif wanted[b] > (wanted[a] + step) * (1 + 1e-9):
                 wanted[b] = wanted[a] + step
                 changed = True
         if not changed:
@@ -67,9 +73,15 @@ def wanted_sizes(points, n_node, corner, twin, lock, n_triangle, size, growth):
 
 
 @compiled
-def refine(points, n_node, x, y, origin, scale, corner, twin, lock, leaving, n_triangle, size, growth):
-    """Insert off-centres until no triangle asks for one. points has room for more. Returns n_node, n_triangle."""
-    wanted = wanted_sizes(points, n_node, corner, twin, lock, n_triangle, size, growth)
+def refine(
+    points, n_node, x, y, origin, scale, corner, twin, lock, leaving, n_triangle,
+    base, cell, x0, y0, n_x, n_y, growth,
+):  # fmt: skip
+    """Insert off-centres until no triangle asks for one. points has room for more. Returns n_node, n_triangle.
+
+    base, cell, x0, y0, n_x, n_y: the size where no short edge is near, by cell (see size_grid.long_edge_sizes).
+    """
+    wanted = wanted_sizes(points, n_node, corner, twin, lock, n_triangle, base, cell, x0, y0, n_x, n_y, growth)
     most_triangle = len(corner) // 3
     waiting = np.empty(4 * most_triangle + 16, np.int32)
     stack = np.empty(STACK, np.int32)
@@ -141,7 +153,7 @@ def refine(points, n_node, x, y, origin, scale, corner, twin, lock, leaving, n_t
             continue
         points[node, 0] = px
         points[node, 1] = py
-        wanted[node] = min(size, total / 3)
+        wanted[node] = min(bilinear(px, py, base, cell, x0, y0, n_x, n_y), total / 3)
         n_triangle = insert_in_triangle(x, y, corner, twin, lock, leaving, home, node, n_triangle, stack)
         e = np.int64(leaving[node])
         first = e
