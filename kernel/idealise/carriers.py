@@ -5,7 +5,7 @@ Every carrier is parametrised by length (a traced one by the length of its guide
 
 from __future__ import annotations
 
-from bisect import bisect_left, insort
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -153,23 +153,25 @@ def is_curved(carrier: Carrier) -> bool:
     return not isinstance(carrier, Line)
 
 
-class _Sorted:
-    """Keys of points along one direction; candidates for being the same are found by bisection."""
+class _Keys:
+    """Keys of points along one direction, in cells of width `reach`; candidates for being the same are near a key."""
 
-    def __init__(self) -> None:
-        self._keys: list[tuple[float, int]] = []
+    def __init__(self, reach: float) -> None:
+        self._reach = reach
+        self._cells: dict[int, list[tuple[float, int]]] = {}
 
-    def near(self, key: float, reach: float) -> list[int]:
-        first = bisect_left(self._keys, (key - reach, -1))
-        found = []
-        for value, index in self._keys[first:]:
-            if value > key + reach:
-                break
-            found.append(index)
-        return sorted(found)
+    def near(self, key: float) -> list[int]:
+        """Indices whose keys are within `reach`, in order."""
+        cell = math.floor(key / self._reach)
+        return sorted(
+            index
+            for near in (cell - 1, cell, cell + 1)
+            for value, index in self._cells.get(near, ())
+            if abs(value - key) <= self._reach
+        )
 
     def add(self, key: float, index: int) -> None:
-        insort(self._keys, (key, index))
+        self._cells.setdefault(math.floor(key / self._reach), []).append((key, index))
 
 
 class VertexTable:
@@ -178,16 +180,16 @@ class VertexTable:
     def __init__(self, tolerance: float) -> None:
         self.tolerance = tolerance
         self.points: list[Array] = []
-        self._sorted = _Sorted()
+        self._keys = _Keys(tolerance)
 
     def add(self, point: Array) -> int:
         """Index of the vertex at `point` (3,)."""
         key = float(point @ _SWEEP)
-        for index in self._sorted.near(key, self.tolerance):
+        for index in self._keys.near(key):
             if np.linalg.norm(self.points[index] - point) <= self.tolerance:
                 return index
         self.points.append(np.array(point, dtype=np.float64))
-        self._sorted.add(key, len(self.points) - 1)
+        self._keys.add(key, len(self.points) - 1)
         return len(self.points) - 1
 
 
@@ -201,7 +203,8 @@ class CarrierTable:
         self.tolerance = tolerance
         self.reach = reach
         self.carriers: list[Carrier] = []
-        self._lines, self._circles = _Sorted(), _Sorted()
+        # Directions may differ by what displaces the far end by the tolerance.
+        self._lines, self._circles = _Keys(8 * tolerance), _Keys(2 * tolerance)
         self._traced: dict[tuple[int, ...], list[int]] = {}
 
     def __getitem__(self, index: int) -> Carrier:
@@ -220,8 +223,7 @@ class CarrierTable:
             unit = -unit
         foot = point - unit * (point @ unit)
         key = float(foot @ _SWEEP + self.reach * (unit @ _SWEEP))
-        # Directions may differ by what displaces the far end by the tolerance.
-        for index in self._lines.near(key, 8 * self.tolerance):
+        for index in self._lines.near(key):
             other = self.carriers[index]
             assert isinstance(other, Line)
             if (
@@ -239,7 +241,7 @@ class CarrierTable:
         if unit[int(np.argmax(np.abs(unit) > 1e-6))] < 0:
             unit = -unit
         key = float(centre @ _SWEEP)
-        for index in self._circles.near(key, 2 * self.tolerance):
+        for index in self._circles.near(key):
             other = self.carriers[index]
             assert isinstance(other, Circle)
             if (

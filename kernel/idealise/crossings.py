@@ -17,6 +17,7 @@ from kernel.idealise.intersections import intersection
 from kernel.idealise.outlines import unwrapped, windowed
 from kernel.idealise.topology import Topology
 from kernel.idealise.walls import CROSSING_SINE, Wall, patch_points
+from kernel.solid.boxes import BoxIndex
 from kernel.solid.surfaces import CylinderSurface, Plane, Surface, signed_distance
 
 Array = NDArray[np.float64]
@@ -50,11 +51,7 @@ class Crossing:
 def find_crossings(topology: Topology, walls: Sequence[Wall], joints: Sequence[Joint]) -> list[Crossing]:
     """Every curve in which the mid-surfaces of two joined walls meet at an angle."""
     by_id = {wall.segment.id: wall for wall in walls}
-    touching: dict[str, set[str]] = {}
-    for joint in joints:
-        for one, two in (joint.segments, joint.segments[::-1]):
-            if one in by_id and two in by_id:
-                touching.setdefault(one, set()).add(two)
+    thirds = _Thirds(walls, joints)
     found: dict[tuple[int, int, int], Crossing] = {}
     for joint in joints:
         if not all(name in by_id for name in joint.segments):
@@ -77,16 +74,12 @@ def find_crossings(topology: Topology, walls: Sequence[Wall], joints: Sequence[J
         if crossing.reach[wall.index]
     }
     for crossing in found.values():
-        a, b = crossing.walls
-        near = sorted((touching[a.segment.id] | touching[b.segment.id]) - {a.segment.id, b.segment.id})
         for wall in crossing.walls:
             # Where a coplanar neighbour reaches the curve, this wall is the part beyond it, not one cut askew.
             if not crossing.reach[wall.index] and (crossing.carrier, wall.sheet.surface_id) not in reached:
                 crossing.gap[wall.index] = _askew_gap(topology, crossing, wall)
                 crossing.reach[wall.index] = _reach(topology, crossing, wall)
-            intervals = crossing.reach[wall.index]
-            for third in near:
-                intervals = [_lengthened(topology, crossing.carrier, ends, by_id[third]) for ends in intervals]
+            intervals = [_lengthened(topology, crossing, ends, thirds) for ends in crossing.reach[wall.index]]
             crossing.reach[wall.index] = merged(
                 intervals, 10 * topology.tolerance, topology.carrier(crossing.carrier).period
             )
@@ -228,34 +221,64 @@ def merged(intervals: Sequence[Interval], slack: float, period: float | None = N
     return [(start, end) for start, end in result]
 
 
-def _lengthened(topology: Topology, number: int, ends: Interval, third: Wall) -> Interval:
-    """The interval, carried on through the slab of a third wall where it ends within that."""
-    carrier = topology.carrier(number)
+class _Thirds:
+    """The walls that two crossing ones touch, found by place: a floor touches thousands, and few stand at one end."""
+
+    def __init__(self, walls: Sequence[Wall], joints: Sequence[Joint]) -> None:
+        self._walls = walls
+        self._index = BoxIndex([wall.segment.solid.bounds for wall in walls])
+        names = {wall.segment.id for wall in walls}
+        self._touching: dict[str, set[str]] = {name: set() for name in names}
+        for joint in joints:
+            one, two = joint.segments
+            if one in names and two in names:
+                self._touching[one].add(two)
+                self._touching[two].add(one)
+        self._thickest = max((wall.thickness for wall in walls), default=0.0)
+
+    def at(self, crossing: Crossing, point: Array) -> list[Wall]:
+        """Walls other than the crossing's two that touch one of them and come near a point (3,) of its curve."""
+        a, b = crossing.walls
+        reach = 2 * (a.thickness + b.thickness + self._thickest)
+        near = [self._walls[number] for number in self._index.near(point - reach, point + reach)]
+        touching = (self._touching[a.segment.id], self._touching[b.segment.id])
+        found = {wall.segment.id: wall for wall in near if any(wall.segment.id in names for names in touching)}
+        return [found[name] for name in sorted(found.keys() - {a.segment.id, b.segment.id})]
+
+
+def _lengthened(topology: Topology, crossing: Crossing, ends: Interval, thirds: _Thirds) -> Interval:
+    """The interval, carried on at each end through the slabs of third walls within which it ends."""
+    carrier = topology.carrier(crossing.carrier)
     if carrier.period is not None and ends[1] - ends[0] >= carrier.period - topology.tolerance:
         return ends
+    result = []
+    for end, sign in zip(ends, (-1.0, 1.0)):
+        for third in thirds.at(crossing, carrier.at(np.array([end]))[0]):
+            end = _carried_on(carrier, end, sign, third, topology.tolerance)
+        result.append(end)
+    return result[0], result[1]
+
+
+def _carried_on(carrier: Carrier, end: float, sign: float, third: Wall, tolerance: float) -> float:
+    """The end of a curve, carried on in the direction `sign` to the face of a third wall where it lies within that."""
     half = 0.5 * third.thickness
-    step = NEARLY_INSIDE * third.thickness
+    step = sign * NEARLY_INSIDE * third.thickness
 
     def outside(value: float) -> float:
         point = carrier.at(np.array([value]))
         return float(abs(signed_distance(third.sheet.surface, point)[0])) - half
 
-    result = []
-    for end, sign in zip(ends, (-1.0, 1.0)):
-        if outside(end) >= -topology.tolerance and outside(end + sign * step) >= 0:
-            result.append(end)
-            continue
-        inner = end
-        for _ in range(100):
-            if outside(inner + sign * step) > 0:
-                break
-            inner += sign * step
-        else:
-            result.append(end)  # the curve runs within the third wall: it ends where the walls do
-            continue
-        low, high = (inner, inner + sign * step) if outside(inner) <= 0 else (inner, inner)
-        for _ in range(80):
-            middle = 0.5 * (low + high)
-            low, high = (middle, high) if outside(middle) <= 0 else (low, middle)
-        result.append(low)
-    return result[0], result[1]
+    if outside(end) >= -tolerance and outside(end + step) >= 0:
+        return end
+    inner = end
+    for _ in range(100):
+        if outside(inner + step) > 0:
+            break
+        inner += step
+    else:
+        return end  # the curve runs within the third wall: it ends where the walls do
+    low, high = (inner, inner + step) if outside(inner) <= 0 else (inner, inner)
+    for _ in range(80):
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if outside(middle) <= 0 else (low, middle)
+    return low

@@ -79,13 +79,13 @@ def volume_ledger(parts: Parts) -> tuple[LedgerRow, ...]:
     def add(names: tuple[str, ...], cause: str, volume: float) -> None:
         rows[(names, cause)] = rows.get((names, cause), 0.0) + volume
 
-    order = list(parts.segments)
+    order = {name: place for place, name in enumerate(parts.segments)}
     for name, wall in parts.walls.items():
         own = outline_area(parts.topology, wall.sheet, [stretch for ring in wall.rings for stretch in ring])
         add((name,), "its own faces are not square to the mid-surface", own * wall.thickness - wall.segment.volume)
         moved = outline_area(parts.topology, wall.sheet, wall.outline) - own
         for names, area in _moved(parts.topology, wall, parts.crossings_of(wall), moved):
-            add(tuple(sorted(names, key=order.index)), "mid-surfaces meet", area * wall.thickness)
+            add(tuple(sorted(names, key=order.__getitem__)), "mid-surfaces meet", area * wall.thickness)
     for name, beam in parts.beams.items():
         own = beam.section.area * (beam.end - beam.start)
         add((name,), "section times length against the beam's own shape", own - beam.segment.volume)

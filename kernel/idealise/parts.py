@@ -12,6 +12,7 @@ from kernel.idealise.crossings import Crossing
 from kernel.idealise.topology import Topology
 from kernel.idealise.walls import Wall
 from kernel.segment.segments import Segment
+from kernel.solid.boxes import BoxIndex
 
 if TYPE_CHECKING:
     from kernel.idealise.brick import SweepGroup
@@ -51,37 +52,38 @@ class Parts:
             self._by_wall = (self.crossings, by_wall)
         return self._by_wall[1].get(wall.index, [])
 
-    def neighbours(self) -> dict[str, list[str]]:
-        """Ids of the segments that each segment touches, in order."""
+    def neighbours(self) -> dict[str, set[str]]:
+        """Ids of the segments that each segment touches."""
         found: dict[str, set[str]] = {name: set() for name in self.segments}
         for joint in self.contacts:
             a, b = joint.segments
             found[a].add(b)
             found[b].add(a)
-        order = {name: position for position, name in enumerate(self.segments)}
-        return {name: sorted(others, key=lambda other: order[other]) for name, others in found.items()}
+        return found
 
     def surroundings(self, crossings: Sequence[Crossing]) -> dict[int, list[Segment]]:
         """By wall index: the segments around a wall and around those that it crosses, whose boxes reach its own."""
         neighbours = self.neighbours()
-        order = {name: position for position, name in enumerate(self.segments)}
-        around: dict[int, set[str]] = {}
+        segments = list(self.segments.values())
+        boxes = BoxIndex([segment.solid.bounds for segment in segments])
+        met: dict[int, set[str]] = {}
         reach: dict[int, float] = {}
         for crossing in crossings:
             for wall in crossing.walls:
                 other = crossing.other(wall)
-                names = around.setdefault(wall.index, set())
-                names.update(neighbours[wall.segment.id], neighbours[other.segment.id])
+                met.setdefault(wall.index, {wall.segment.id}).add(other.segment.id)
                 reach[wall.index] = max(reach.get(wall.index, 0.0), other.thickness)
         result: dict[int, list[Segment]] = {}
-        walls = {wall.index: wall for wall in self.walls.values()}
-        for index, names in around.items():
-            own = walls[index].segment
-            low, high = own.solid.bounds[0] - 2 * reach[index], own.solid.bounds[1] + 2 * reach[index]
-            result[index] = [
-                self.segments[name]
-                for name in sorted(names - {own.id}, key=lambda name: order[name])
-                if (self.segments[name].solid.bounds[0] <= high).all()
-                and (self.segments[name].solid.bounds[1] >= low).all()
-            ]
+        for wall in self.walls.values():
+            if wall.index in met:
+                low, high = wall.segment.solid.bounds
+                near = boxes.near(low - 2 * reach[wall.index], high + 2 * reach[wall.index])
+                # What touches the wall or one that it crosses: asked this way round, a floor's thousands of
+                # neighbours are not gone through for each of them.
+                result[wall.index] = [
+                    segments[number]
+                    for number in near
+                    if segments[number] is not wall.segment
+                    and not neighbours[segments[number].id].isdisjoint(met[wall.index])
+                ]
         return result
