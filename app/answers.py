@@ -54,6 +54,7 @@ def meshed_answer(meshed: Meshed) -> MeshAnswer:
         size=size_answer(meshed),
         nodes=meshed.model.mesh.n_node,
         elements=meshed.model.mesh.count(),
+        bricks=dict(meshed.assembly.bricks),
         couplings=dict(sorted(Counter(type(c).__name__.lower() for c in meshed.model.couplings).items())),
         components=checks.components,
         quality=plain(meshed.quality),

@@ -13,7 +13,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -145,7 +145,8 @@ def mesh(
     with clock("mesh"):
         assembly = assemble(evaluated, classified.partition.segments, classified.joints, options, clock.part)
     with clock("quality"):
-        quality = mesh_quality(assembly.mesh)
+        in_frame = replace(assembly.mesh, nodes=assembly.mesh.nodes @ evaluated.frame.T)  # errors name places in it
+        quality = mesh_quality(in_frame)
     with clock("connect"):
         model = build_model(
             assembly,

@@ -129,11 +129,12 @@ class SizeAnswer(Schema):
 
 
 class MeshAnswer(Classification):
-    """`csgmesh mesh --json` and GET /v1/meshes/{id}."""
+    """`csgmesh mesh --json` and GET /v1/meshes/{id}. bricks: how each was meshed and why, by segment id."""
 
     size: SizeAnswer
     nodes: int
     elements: dict[str, int]
+    bricks: dict[str, str]
     couplings: dict[str, int]
     components: int
     quality: dict[str, Any]

@@ -137,6 +137,7 @@ def mesh_text(answer: MeshAnswer, deck: str, seconds: float) -> str:
     lines = [
         f"{deck}: {plural(answer.nodes, 'node')}, {elements}, in {plural(len(answer.segments), 'segment')}",
         size_text(answer),
+        *brick_lines(answer.bricks),
         f"couplings: {couplings}; components: {answer.components}",
         mass_text(answer),
     ]
@@ -151,6 +152,18 @@ def size_text(answer: MeshAnswer) -> str:
     more = [f"{len(own) - MOST_SIZES} more"] if len(own) > MOST_SIZES else []
     general = f"{number(answer.size.value)} {answer.units} ({answer.size.because})"
     return "size: " + "; ".join([general, *own[:MOST_SIZES], *more])
+
+
+def brick_lines(bricks: dict[str, str]) -> list[str]:
+    """How the bricks were meshed and why: one line for all that were meshed alike."""
+    alike: dict[str, list[str]] = {}
+    for segment, how in bricks.items():
+        alike.setdefault(how, []).append(segment)
+    lines = []
+    for how, segments in alike.items():
+        more = f" and {len(segments) - MOST_SIZES} more" if len(segments) > MOST_SIZES else ""
+        lines.append(f"{', '.join(segments[:MOST_SIZES])}{more}: {how}")
+    return lines
 
 
 def mass_text(answer: MeshAnswer) -> str:

@@ -104,7 +104,8 @@ def _segments(answer: MeshAnswer, colours: dict[str, tuple[int, int, int]], kind
         swatch = f'<span class="swatch" style="background: rgb({red}, {green}, {blue})"></span>'
         words = (segment.node, segment.name, kinds.get(segment.node.partition("#")[0]))
         node = escape(" ".join(word for word in words if word))
-        cells = (swatch + escape(segment.id), node, escape(segment.type), escape(_measures(segment)))
+        measures = ", ".join(words for words in (_measures(segment), answer.bricks.get(segment.id)) if words)
+        cells = (swatch + escape(segment.id), node, escape(segment.type), escape(measures))
         rows.append(
             "<tr>"
             + "".join(f"<td>{cell}</td>" for cell in cells)

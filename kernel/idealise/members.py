@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -58,6 +59,7 @@ class Assembly:
     sections: by segment id, for beams. ties: what must be coupled. ledger: double-counted corners.
     curve_uses: for the crack audit: one row per mesh edge that lies on a shared curve or free curve,
         (n_edge, 3) int64: node, node, expected number of shell element edges there.
+    bricks: how each was meshed and why, by segment id.
     warnings: one line each (near misses, small details removed, irregular seeds).
     """
 
@@ -71,3 +73,4 @@ class Assembly:
     warnings: tuple[str, ...] = ()
     sizes: Sizes = field(default_factory=lambda: Sizes(0.0, "", {}))
     """The element sizes that were used, and what they come from."""
+    bricks: Mapping[str, str] = field(default_factory=dict)

@@ -81,7 +81,7 @@ def assemble(
     faces = _mesh_faces(parts, by_face, sizes, options.faces, nodes, report)
     for name, face in faces.items():
         blocks[name] += _blocks(name, face)
-    bricks = mesh_bricks(parts, by_face, faces, sizes, options, nodes)
+    bricks = mesh_bricks(parts, by_face, faces, sizes, options, nodes, evaluated.frame)
     for name, brick in bricks.items():
         blocks[name] += brick.blocks
     for joint in parts.joints:
@@ -108,6 +108,7 @@ def assemble(
         curve_uses=_curve_uses(curves),
         warnings=(*planned.warnings, *parts.warnings, *near_misses(segments, evaluated, joints)),
         sizes=planned,
+        bricks={name: brick.how for name, brick in bricks.items()},
     )
 
 

@@ -16,10 +16,11 @@ from kernel.idealise.walls import Wall
 from kernel.mesh.elements import ELEMENT_KINDS
 from kernel.mesh.faces import CurvesByFace, FaceMesh, curve_middles
 from kernel.mesh.mesh import ElementBlock
+from kernel.mesh.method import not_a_stack, place_text, swept_text
 from kernel.mesh.nodes import NodeTable
 from kernel.mesh.options import MeshOptions
 from kernel.mesh.region import RegionMesh
-from kernel.mesh.section import mesh_section
+from kernel.mesh.section import UnfitSection, mesh_section
 from kernel.mesh.sweep import divide_levels, sweep
 from kernel.segment.segments import Segment
 
@@ -32,12 +33,14 @@ class BrickMesh:
     """blocks: of one brick. pairs: (n, 2) its nodes and the host wall's nodes that they stand on.
 
     edges: (e, 2) boundary edges of tets as node pairs; middles: (e, 3) their mid-side nodes on the true surfaces.
+    how: it was meshed, and why so, in words.
     """
 
     blocks: tuple[ElementBlock, ...]
     pairs: Indices
     edges: Indices = field(default_factory=lambda: np.empty((0, 2), np.int64))
     middles: Array = field(default_factory=lambda: np.empty((0, 3)))
+    how: str = ""
 
 
 def mesh_bricks(
@@ -47,25 +50,32 @@ def mesh_bricks(
     sizes: dict[str, float],
     options: MeshOptions,
     nodes: NodeTable,
+    frame: Array,
 ) -> dict[str, BrickMesh]:
-    """Every brick's elements, by segment id. curves, faces: of the walls, meshed already."""
+    """Every brick's elements, by segment id. curves, faces: of the walls, meshed already.
+
+    frame: (3, 3), user's point = frame @ working point, for what is said. MeshError: hexahedra alone are asked for
+    and a brick cannot be swept; or the tetrahedra failed.
+    """
     meshes: dict[str, BrickMesh] = {}
+    why: dict[str, str] = {}
     for group in parts.sweeps:
         size = min(sizes[brick.segment.id] for brick in group.bricks)
-        if group.section is not None:
-            names = ", ".join(f"{brick.segment.id} ({brick.segment.node})" for brick in group.bricks)
-            own = mesh_section(names, group.section, group.sheet, size, options.faces)
-            cells = shapely.points([cell.inner_point for cell in group.section.cells])
-            section = _Section(own.mesh, np.empty(0, np.int64), own.edges, own.middles, cells[own.cell_of])
-        else:
-            assert group.host is not None
-            section = _host_section(parts, group.host[0], curves, faces[group.host[0].segment.id])
-        meshes.update(_sweep_group(group, section, size, nodes))
+        try:
+            section = _section_of(parts, group, curves, faces, size, options.faces)
+        except MeshError as error:
+            place = f" near {place_text(frame @ error.at)}" if isinstance(error, UnfitSection) else ""
+            why.update({brick.segment.id: error.message + place for brick in group.bricks})
+            continue
+        meshes.update(_sweep_group(group, section, size, nodes, frame))
     for name, segment in parts.segments.items():
         if segment.type == "brick" and name not in meshes and name not in parts.absorbed:
+            reason = "asked for" if options.volumes == "tet" else why.get(name) or not_a_stack(segment, frame)
             if options.volumes == "hex":
-                raise MeshError(f"{name} ({segment.node}) cannot be swept, so it cannot be meshed with hexahedra only")
-            meshes[name] = _tetrahedra(segment, sizes[name], options.deadline, nodes)
+                raise MeshError(f"{name} ({segment.node}) cannot be meshed with hexahedra only: {reason}")
+            if name in why:
+                parts.warnings.append(f"{name} ({segment.node}) is not swept but meshed with tetrahedra: {reason}")
+            meshes[name] = _tetrahedra(segment, sizes[name], options.deadline, nodes, f"tetrahedra: {reason}")
     return meshes
 
 
@@ -88,6 +98,19 @@ class _Section:
     inner: NDArray[np.object_]
 
 
+def _section_of(
+    parts: Parts, group: SweepGroup, curves: CurvesByFace, faces: dict[str, FaceMesh], size: float, kind: str
+) -> _Section:
+    """The group's own section, or the elements of the wall that it stands on."""
+    if group.section is None:
+        assert group.host is not None
+        return _host_section(parts, group.host[0], curves, faces[group.host[0].segment.id])
+    names = ", ".join(f"{brick.segment.id} ({brick.segment.node})" for brick in group.bricks)
+    own = mesh_section(names, group.section, group.sheet, size, kind)
+    cells = shapely.points([cell.inner_point for cell in group.section.cells])
+    return _Section(own.mesh, np.empty(0, np.int64), own.edges, own.middles, cells[own.cell_of])
+
+
 def _host_section(parts: Parts, wall: Wall, curves: CurvesByFace, face: FaceMesh) -> _Section:
     """The elements of the wall that the group stands on."""
     order = np.argsort(face.nodes)
@@ -104,7 +127,9 @@ def _host_section(parts: Parts, wall: Wall, curves: CurvesByFace, face: FaceMesh
 # ---------------------------------------------------------------- sweeping
 
 
-def _sweep_group(group: SweepGroup, section: _Section, size: float, nodes: NodeTable) -> dict[str, BrickMesh]:
+def _sweep_group(
+    group: SweepGroup, section: _Section, size: float, nodes: NodeTable, frame: Array
+) -> dict[str, BrickMesh]:
     """The bricks of a group; where they stand on one another they share nodes."""
     pieces = [piece for brick in group.bricks for piece in brick.pieces]
     levels = divide_levels([value for piece in pieces for value in (piece.start, piece.end)], size)
@@ -144,9 +169,9 @@ def _sweep_group(group: SweepGroup, section: _Section, size: float, nodes: NodeT
                 blocks.append(ElementBlock(brick.segment.id, kind, numbers[own]))
         reach = _used(chosen, elements, at.shape)
         edges, middles = _level_middles(group, section, levels, np.where(reach, at, -1))
-        meshes[brick.segment.id] = BrickMesh(
-            tuple(blocks), _pairs(group, brick, section, levels, np.where(reach, at, -1)), edges, middles
-        )
+        pairs = _pairs(group, brick, section, levels, np.where(reach, at, -1))
+        how = swept_text(group, brick, [block.kind for block in blocks], int(chosen.any(axis=1).sum()), frame)
+        meshes[brick.segment.id] = BrickMesh(tuple(blocks), pairs, edges, middles, how)
     return meshes
 
 
@@ -181,7 +206,7 @@ def _pairs(group: SweepGroup, brick: SweptBrick, section: _Section, levels: Arra
     return np.stack([at[level][points], section.wall_nodes[points]], axis=1)
 
 
-def _tetrahedra(segment: Segment, size: float, deadline: float, nodes: NodeTable) -> BrickMesh:
+def _tetrahedra(segment: Segment, size: float, deadline: float, nodes: NodeTable, how: str) -> BrickMesh:
     from kernel.mesh.solid_tets import mesh_solid
 
     try:
@@ -190,7 +215,7 @@ def _tetrahedra(segment: Segment, size: float, deadline: float, nodes: NodeTable
         raise MeshError(f"{segment.id} ({segment.node}): {error.message}") from error
     numbers = nodes.add(body.nodes)
     block = ElementBlock(segment.id, "tet4", numbers[body.tets])
-    return BrickMesh((block,), np.empty((0, 2), np.int64), numbers[body.edges], body.middles)
+    return BrickMesh((block,), np.empty((0, 2), np.int64), numbers[body.edges], body.middles, how)
 
 
 def outer_faces(blocks: Sequence[ElementBlock]) -> list[Indices]:

@@ -22,12 +22,15 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from kernel.errors import MeshError
 from kernel.idealise.brick import OwnSection
 from kernel.idealise.carriers import Circle
 from kernel.idealise.sheets import PlaneSheet
 from kernel.idealise.topology import IMPRINT, Curve, Topology, Use
+from kernel.mesh.elements import ELEMENT_KINDS
 from kernel.mesh.faces import FaceMesh, SeededCurve, curve_middles, curves_by_face, mesh_face, seed_curves
 from kernel.mesh.nodes import NodeTable
+from kernel.mesh.quality import scaled_jacobian
 from kernel.mesh.region import RegionMesh
 
 Array = NDArray[np.float64]
@@ -36,8 +39,23 @@ Indices = NDArray[np.int64]
 RING_RATIO = 2.0
 """Largest ratio of radii over which circles are divided alike."""
 
+LEAST_QUALITY = 0.1
+"""Scaled Jacobian under which a section's element is worse than tetrahedra: two curves nearly touch there."""
+
+MOST_EXCESS = 20.0
+"""A section may have this many times the elements that its area and its curves ask for; more, and curves of it run so
+near to each other that the elements between them are of another scale than the size."""
+
 SAME_ANGLE = 1e-6
 """Angles, in radians, and turns that differ by less are the same."""
+
+
+class UnfitSection(MeshError):
+    """A section that is better not swept. at: (3,) where, on the section's sheet."""
+
+    def __init__(self, message: str, at: Array) -> None:
+        super().__init__(message)
+        self.at = at
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -56,7 +74,7 @@ class MeshedSection:
 def mesh_section(name: str, section: OwnSection, sheet: PlaneSheet, size: float, faces: str) -> MeshedSection:
     """All cells meshed with elements of about `size`. name: of the bricks, for errors. faces: "quad" or "tri".
 
-    MeshError: a cell cannot be meshed.
+    MeshError: a cell cannot be meshed; UnfitSection: it can, but badly.
     """
     nodes = NodeTable()  # the section's own: they stay out of the model
     curves = _seeded(section, sheet, size, nodes)
@@ -64,7 +82,38 @@ def mesh_section(name: str, section: OwnSection, sheet: PlaneSheet, size: float,
     meshes = [
         mesh_face(name, cell, sheet, by_cell.get(cell, []), size, faces, nodes) for cell in range(len(section.cells))
     ]
-    return _joined(meshes, sheet, nodes.points, curve_middles(section.topology, curves))
+    meshed = _joined(meshes, sheet, nodes.points, curve_middles(section.topology, curves))
+    asked = sum(cell.polygon.area for cell in section.cells) / size**2
+    asked += sum(curve.length for curve in section.curves) / size
+    _refuse_unfit(meshed.mesh, sheet, size, asked)
+    return meshed
+
+
+def _refuse_unfit(mesh: RegionMesh, sheet: PlaneSheet, size: float, asked: float) -> None:
+    """UnfitSection where elements are bad, or many more than the size asks for."""
+    elements = [*mesh.quads, *mesh.triangles]
+    if len(elements) > MOST_EXCESS * (asked + 100):
+        areas = [np.abs(_doubled_area(mesh.points[element])) for element in elements]
+        place = mesh.points[elements[int(np.argmin(areas))]].mean(axis=0)
+        raise UnfitSection(
+            f"its section would take {len(elements)} elements of size {size:g} instead of some {asked:.0f}, for curves "
+            "of it run side by side",
+            sheet.lift(place[None])[0],
+        )
+    for block, kind in ((mesh.quads, "quad4"), (mesh.triangles, "tri3")):
+        if len(block):
+            quality = scaled_jacobian(ELEMENT_KINDS[kind], sheet.lift(mesh.points)[block])
+            worst = int(np.argmin(quality))
+            if quality[worst] < LEAST_QUALITY:
+                said = (
+                    f"its section has an element of scaled Jacobian {quality[worst]:.2g}, for curves of it nearly touch"
+                )
+                raise UnfitSection(said, sheet.lift(mesh.points[block[worst]].mean(axis=0)[None])[0])
+
+
+def _doubled_area(points: Array) -> float:
+    x, y = points.T
+    return float((x * np.roll(y, -1) - np.roll(x, -1) * y).sum())
 
 
 def _joined(

@@ -83,7 +83,8 @@ def test_the_tree_does_not_matter():
 def test_a_section_that_changes_between_its_levels_is_no_stack():
     wedge = extrusion([(0, 0), (40, 0), (40, 20), (0, 40)], 30, turn=turned("x", 90))
     drilled = difference(wedge, rod(100, 5, (20, -15, -1)))
-    with pytest.raises(MeshError, match="cannot be swept"):
+    expected = r"hexahedra only: not a stack of prisms: along y the cylinder across it near \(15.0036, -15"
+    with pytest.raises(MeshError, match=expected):
         assembled(drilled, {"/": "brick"}, volumes="hex")
 
 
@@ -93,3 +94,29 @@ def test_shapes_of_hex_meshes_do_not_depend_on_the_frame():
         for name in ("a plate with a round boss", "a boss, turned")
     ]
     assert counts[0] == counts[1]
+
+
+def test_what_was_done_with_each_brick_is_said_in_the_users_frame():
+    turned_boss, _ = assembled(STACKS["a boss, turned"], {"/": "brick"}, size=8)
+    assert turned_boss.bricks["s1"].startswith("hexahedra swept along (0.5736, -0.2802, 0.7698), ")
+    assert turned_boss.bricks["s1"].endswith("layers, a stack of 2 prisms")
+    cube_alone, _ = assembled(cube(10, 10, 10), size=5)
+    assert cube_alone.bricks["s1"].startswith("hexahedra swept along ")
+    tets, _ = assembled(cube(10, 10, 10), size=5, volumes="tet")
+    assert tets.bricks["s1"] == "tetrahedra: asked for"
+
+
+NEARLY = union(rod(50, 20), rod(40, 20, (0.2, 0, 45)))
+"""Two cylinders of one radius, 0.2 apart: their outlines part the section into crescents."""
+
+
+def test_outlines_that_nearly_touch_are_not_swept_and_the_place_is_said():
+    with pytest.raises(MeshError, match=r"hexahedra only: its section .* near \(-?\d"):
+        assembled(NEARLY, {"/": "brick"}, volumes="hex")
+
+
+def test_where_hexahedra_are_not_insisted_on_tetrahedra_take_their_place_with_a_warning():
+    assembly, _ = assembled(NEARLY, {"/": "brick"}, size=10)
+    assert set(assembly.mesh.count()) == {"tet10"}
+    assert any("is not swept but meshed with tetrahedra: its section" in warning for warning in assembly.warnings)
+    assert audit(assembly) == WHOLE
