@@ -2,7 +2,7 @@
 
 scaled_jacobian: smallest over the corners of Jacobian over product of edge lengths; 1 for the regular element (for
     triangles and wedges by the factor 2 / sqrt 3, for tets sqrt 2). Curved edges count by their tangents.
-min_angle, max_angle: degrees, of triangles and quads.
+min_angle, max_angle: degrees, of triangles and quads; the largest angle of a dented quad is the reflex one.
 aspect: triangles L p / (4 sqrt 3 A) and quads L p / (4 A), L the longest side and p the perimeter; tets the longest
     edge over 2 sqrt 6 inscribed radii; wedges and hexes the longest over the shortest edge.
 skew: quads and hexes, largest cosine between the lines that join middles of opposite sides (faces).
@@ -71,7 +71,10 @@ def element_quality(block: ElementBlock, nodes: Array) -> dict[str, Array]:
     measures = {"scaled_jacobian": scaled_jacobian(kind, places)}
     if name in ("tri", "quad"):
         angles = _angles(places[:, : kind.n_corner])
-        measures |= {"min_angle": angles.min(axis=1), "max_angle": angles.max(axis=1)}
+        largest = angles.max(axis=1)
+        if name == "quad":  # the sides of a reflex corner enclose what is left of the full turn
+            largest = np.where(_is_dented(places[:, :4]), 360 - largest, largest)
+        measures |= {"min_angle": angles.min(axis=1), "max_angle": largest}
     measures["aspect"] = _aspect(name, places, lengths)
     if name == "quad":
         measures |= {"skew": _quad_skew(places), "warpage": _quad_warpage(places)}
@@ -151,6 +154,13 @@ def _angles(corners: Array) -> Array:
     forward = _unit(np.roll(corners, -1, axis=1) - corners)
     backward = _unit(np.roll(corners, 1, axis=1) - corners)
     return np.degrees(np.arccos(np.clip((forward * backward).sum(axis=2), -1, 1)))
+
+
+def _is_dented(corners: Array) -> NDArray[np.bool_]:
+    """(n_element,) whether a corner of a quad is reflex, seen along the mean normal."""
+    forward, backward = np.roll(corners, -1, axis=1) - corners, np.roll(corners, 1, axis=1) - corners
+    areas: Array = np.einsum("eki,ei->ek", np.cross(forward, backward), _normal(corners))
+    return np.asarray((areas < 0).any(axis=1))
 
 
 def _aspect(name: str, places: Array, lengths: Array) -> Array:

@@ -96,8 +96,8 @@ def _refuse_unfit(mesh: RegionMesh, sheet: PlaneSheet, size: float, asked: float
         areas = [np.abs(_doubled_area(mesh.points[element])) for element in elements]
         place = mesh.points[elements[int(np.argmin(areas))]].mean(axis=0)
         raise UnfitSection(
-            f"its section would take {len(elements)} elements of size {size:g} instead of some {asked:.0f}, for curves "
-            "of it run side by side",
+            f"its section would take {len(elements)} elements of size {size:g} instead of some {asked:.0f}: curves of "
+            "it run side by side",
             sheet.lift(place[None])[0],
         )
     for block, kind in ((mesh.quads, "quad4"), (mesh.triangles, "tri3")):
@@ -105,9 +105,7 @@ def _refuse_unfit(mesh: RegionMesh, sheet: PlaneSheet, size: float, asked: float
             quality = scaled_jacobian(ELEMENT_KINDS[kind], sheet.lift(mesh.points)[block])
             worst = int(np.argmin(quality))
             if quality[worst] < LEAST_QUALITY:
-                said = (
-                    f"its section has an element of scaled Jacobian {quality[worst]:.2g}, for curves of it nearly touch"
-                )
+                said = f"its section has an element of scaled Jacobian {quality[worst]:.2g}: curves of it nearly touch"
                 raise UnfitSection(said, sheet.lift(mesh.points[block[worst]].mean(axis=0)[None])[0])
 
 

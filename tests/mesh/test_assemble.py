@@ -166,7 +166,7 @@ def test_second_order_puts_middles_on_true_curves_and_into_ties():
 
 def test_hexahedra_only_are_refused_where_a_brick_cannot_be_swept():
     ball = "sphere($fn=0,$fa=6,$fs=1,r=50);"
-    with pytest.raises(MeshError, match=r"s1 \(/\) cannot be swept"):
+    with pytest.raises(MeshError, match=r"s1 \(/\) cannot be meshed with hexahedra only: .* the sphere near \("):
         assembled(ball, size=20.0, volumes="hex")
 
 

@@ -1,5 +1,8 @@
 """Shape functions, volumes and quality measures of every element kind."""
 
+import json
+from pathlib import Path
+
 import numpy as np
 import pytest
 from handmade import model_of, second_order, shell_cantilever, solid_cantilever
@@ -89,6 +92,24 @@ def test_quality_knows_no_place_turn_or_size(kind, random):
     before, after = quality_of(kind, places), quality_of(kind, moved)
     for name, value in before.items():
         assert after[name] == pytest.approx(value, abs=1e-6)
+
+
+VERDICT = json.loads((Path(__file__).parent / "verdict_values.json").read_text())["elements"]
+
+
+@pytest.mark.parametrize("element", VERDICT, ids=lambda element: element["kind"])
+def test_measures_of_random_elements_are_verdicts(element):
+    found = quality_of(element["kind"], element["nodes"])
+    known = {name: value for name, value in element.items() if name not in ("kind", "nodes")}
+    assert set(found) == set(known)
+    for name, value in known.items():
+        assert found[name] == pytest.approx(value, rel=1e-9, abs=1e-9), name
+
+
+def test_the_aspect_of_a_hex_is_its_longest_over_its_shortest_edge():
+    places = np.array(REGULAR["hex8"]) * [3, 1, 2]
+    places[6] += [0.5, 0, 0]
+    assert quality_of("hex8", places)["aspect"] == pytest.approx(3.5)
 
 
 def test_measures_of_a_quad_by_hand():
