@@ -30,6 +30,10 @@ COUPLING_HELP = (
     "Where dimensions change: distributing (RBE3: a beam's end moves as the average of its patch), rigid (RBE2: the "
     "patch moves as the beam's end does), work (equations: forces do the same work on both sides)."
 )
+TEE_HELP = (
+    "Where a wall ends within another: extend (it is carried on to the other's mid-surface, and shares nodes), arms "
+    "(it stops at the other's face, and its nodes hang from the other's by rigid arms)."
+)
 
 
 def mesh(
@@ -56,8 +60,10 @@ def mesh(
         list[str] | None, typer.Option(metavar="NODE=NAME", help="Material of one node or segment, as TOP=aluminium.")
     ] = None,
     coupling: Annotated[str, typer.Option(help=COUPLING_HELP)] = "distributing",
+    tee: Annotated[str, typer.Option(help=TEE_HELP)] = "extend",
     joint: Annotated[
-        list[str] | None, typer.Option(metavar="JOINT=COUPLING", help="Coupling of one joint, as j3=rigid.")
+        list[str] | None,
+        typer.Option(metavar="JOINT=HOW", help="Coupling or tee of one joint, as j3=rigid or j4=arms."),
     ] = None,
     mass: Annotated[str, typer.Option(help="plain: densities as given; exact: scaled to the solid's mass.")] = "plain",
     report: Annotated[str | None, typer.Option(metavar="FILE.html", help="Write a report with pictures too.")] = None,
@@ -70,7 +76,7 @@ def mesh(
     start = time.perf_counter()
     from app import pipeline
     from app.materialfile import with_material
-    from app.meshoptions import by_name, check_names, lengths
+    from app.meshoptions import by_name, check_names, lengths, split_joints
     from app.pipeline import units_of
     from app.progress import progress_bar
     from kernel.connect.build import MASSES
@@ -85,10 +91,9 @@ def mesh(
     for path in outputs:
         check_writable(path)
     format_for(output, deck_format)
-    by_joint = by_name(joint, "--joint", "JOINT=COUPLING", "j3=rigid")
-    for name in (coupling, *by_joint.values()):
-        if name not in COUPLINGS:
-            raise OptionError(f"unknown coupling {name!r}, expected one of {', '.join(COUPLINGS)}")
+    if coupling not in COUPLINGS:
+        raise OptionError(f"unknown coupling {coupling!r}, expected one of {', '.join(COUPLINGS)}")
+    couplings, tees = split_joints(by_name(joint, "--joint", "JOINT=HOW", "j3=rigid"))
     if mass not in MASSES:
         raise OptionError(f"unknown mass {mass!r}, expected one of {', '.join(MASSES)}")
     options = MeshOptions(
@@ -97,6 +102,8 @@ def mesh(
         faces=faces,
         volumes=volumes,
         sizes=lengths(size_of, "--size-of", "NODE=SIZE", "TOP=20"),
+        tee=tee,
+        joint_tees=tees,
     )
     pinned = overrides(override)
     csg, material = with_material(pipeline.read(model), material)
@@ -109,7 +116,7 @@ def mesh(
             options,
             material=material,
             coupling=coupling,
-            joint_couplings=by_joint,
+            joint_couplings=couplings,
             materials_of=by_name(material_of, "--material-of", "NODE=NAME", "TOP=aluminium"),
             mass=mass,
             progress=progress,

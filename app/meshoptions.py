@@ -5,17 +5,17 @@ A mapping is written NAME=VALUE on the command line, once for each entry, and {"
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import fields
 from typing import Any
 
 from kernel.csg.tree import CsgModel
 from kernel.errors import OptionError
-from kernel.mesh.options import MeshOptions
+from kernel.mesh.options import TEES, MeshOptions
 from kernel.segment.addresses import check_addresses
 
-ASKED = tuple(field.name for field in fields(MeshOptions) if field.name != "deadline")
-"""The options that a user may give, by the names that HTTP has for them."""
+ASKED = tuple(field.name for field in fields(MeshOptions) if field.name not in ("deadline", "joint_tees"))
+"""The options that a user may give, by the names that HTTP has for them; `joints` is for couplings and tees alike."""
 
 
 def asked(given: object) -> dict[str, Any]:
@@ -23,6 +23,19 @@ def asked(given: object) -> dict[str, Any]:
     options = {name: getattr(given, name) for name in ASKED}
     MeshOptions(**options)
     return options
+
+
+def split_joints(said: Mapping[str, str]) -> tuple[dict[str, str], dict[str, str]]:
+    """What was said of single joints, by id: couplings, and ways to make a tee. OptionError: neither of these."""
+    from kernel.connect.couplings import COUPLINGS
+
+    couplings = {joint: value for joint, value in said.items() if value not in TEES}
+    for value in couplings.values():
+        if value not in COUPLINGS:
+            raise OptionError(
+                f"unknown coupling {value!r}, expected one of {', '.join(COUPLINGS)}, or {' or '.join(TEES)} for a tee"
+            )
+    return couplings, {joint: value for joint, value in said.items() if value in TEES}
 
 
 def check_names(options: MeshOptions, csg: CsgModel) -> None:

@@ -15,7 +15,7 @@ from starlette.responses import StreamingResponse
 from app.api.context import Ctx, question_key
 from app.api.problems import documented, problem_responses
 from app.failure import problem
-from app.meshoptions import asked
+from app.meshoptions import asked, split_joints
 from app.schemas import MeshAnswer, Problem, Schema
 from app.store import FINISHED, JobRow
 from kernel.deck.deck import format_for, formats
@@ -66,8 +66,11 @@ class MeshRequest(Schema):
     faces: Literal["quad", "tri"] = "quad"
     volumes: Literal["auto", "hex", "tet"] = "auto"
     coupling: Literal["distributing", "rigid", "work"] = "distributing"
-    joints: dict[str, Literal["distributing", "rigid", "work"]] = Field(
-        default_factory=dict, description="couplings of single joints, by id"
+    tee: Literal["extend", "arms"] = Field(
+        default="extend", description="walls that end in another: carried on to its mid-surface, or hung by rigid arms"
+    )
+    joints: dict[str, Literal["distributing", "rigid", "work", "extend", "arms"]] = Field(
+        default_factory=dict, description="couplings or tees of single joints, by id"
     )
     mass: Literal["plain", "exact"] = Field(default="plain", description="exact: densities scaled to the solid's mass")
     unchecked: bool = Field(default=False, description="keep the mesh even if it does not pass its own checks")
@@ -122,7 +125,8 @@ def create_mesh(
     model = context.model(model_id)
     units = unit_set(wanted.units or model.units)
     # checked here already, so that what is wrong is refused before it is queued
-    options = asked(wanted)
+    couplings, tees = split_joints(wanted.joints)
+    options = {**asked(wanted), "joint_tees": tees}
     about = {**context.text_payload(model), "material": wanted.material, "units": units.name, "options": options}
     context.ask("mesh_names", about)
     payload = {
@@ -130,7 +134,7 @@ def create_mesh(
         "options": options,
         "material": wanted.material,
         "coupling": wanted.coupling,
-        "joints": wanted.joints,
+        "joints": couplings,
         "mass": wanted.mass,
         "unchecked": wanted.unchecked,
     }

@@ -215,7 +215,7 @@ async function startMesh() {
   const size = text === "" ? null : Number(text);
   if (Number.isNaN(size)) throw new Error(`the element size is '${text}', expected a number`);
   const job = await askJson("POST", `/v1/models/${state.model.id}/meshes`, {
-    size, order: Number(byId("mesh-order").value), faces: byId("mesh-faces").value, volumes: byId("mesh-volumes").value, coupling: byId("mesh-coupling").value,
+    size, order: Number(byId("mesh-order").value), faces: byId("mesh-faces").value, volumes: byId("mesh-volumes").value, coupling: byId("mesh-coupling").value, tee: byId("mesh-tee").value,
     units: byId("mesh-units").value || null, material: byId("mesh-material").value.trim() || null,
   });
   forgetMesh();

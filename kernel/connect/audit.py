@@ -7,8 +7,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from kernel.connect.bodies import Bodies
 from kernel.connect.model import Mpc, Rbe2
 from kernel.mesh.elements import ELEMENT_KINDS
+from kernel.mesh.order import middle_nodes
 
 if TYPE_CHECKING:
     from kernel.connect.model import Coupling, Model
@@ -121,6 +123,35 @@ def edge_cracks(mesh: Mesh, curve_uses: NDArray[np.int64]) -> int:
     expected[position[inside]] = curve_uses[inside, 2]
     missing = int((curve_uses[~inside, 2] > 0).sum())
     return int((counts != expected).sum()) + missing
+
+
+def loose_arms(model: Model, arms: NDArray[np.int64]) -> int:
+    """Nodes of edges that should hang by rigid arms, and do not move with what they should hang from.
+
+    arms: (n, 4) rows (a, b, a', b'): the edge a-b hangs from a'-b', with its mid-side node where it has one. Two nodes
+    move together when rigid couplings join them, or when one of them follows equations in all six freedoms.
+    """
+    bodies = Bodies()
+    bound: dict[int, set[int]] = {}
+    for coupling in model.couplings:
+        if isinstance(coupling, Rbe2):
+            if len(coupling.components) == 6:
+                for node in coupling.dependent.tolist():
+                    bodies.join(coupling.independent, node)
+        elif isinstance(coupling, Mpc):
+            bound.setdefault(int(coupling.nodes[0]), set()).add(int(coupling.components[0]))
+        else:
+            bound.setdefault(coupling.dependent, set()).update(map(int, coupling.components))
+    middles = middle_nodes(model.mesh) if len(arms) else {}
+    pairs: set[tuple[int, int]] = set()
+    for a, b, from_a, from_b in arms.tolist():
+        pairs.update(((a, from_a), (b, from_b)))
+        if (min(a, b), max(a, b)) in middles:
+            pairs.add((middles[min(a, b), max(a, b)], middles[min(from_a, from_b), max(from_a, from_b)]))
+    return sum(
+        bodies.find(one) != bodies.find(other) and all(len(bound.get(node, ())) < 6 for node in (one, other))
+        for one, other in pairs
+    )
 
 
 def component_labels(model: Model) -> NDArray[np.int64]:

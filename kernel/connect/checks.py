@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from kernel.connect.audit import coincident_nodes, connected_components, coupling_nodes, edge_cracks
+from kernel.connect.audit import coincident_nodes, connected_components, coupling_nodes, edge_cracks, loose_arms
 from kernel.connect.couplings import nodes_with_rotations
 from kernel.connect.equations import rigid_motion_error
 from kernel.connect.mass import Moments, block_moments, solid_moments, total
@@ -33,6 +33,7 @@ class Checks:
     free_nodes: nodes of no element and no coupling. coincident_nodes: pairs nearer than the vertex tolerance that no
     coupling ties. coupling_error: worst residual under the six rigid motions. doubly_dependent: freedoms that depend
     twice. chained: freedoms that depend on something and are independent elsewhere.
+    loose_arms: nodes of edges that should hang by rigid arms and do not.
     cracks: mesh edges on shared curves that are not used as often as their faces say, with edges used once elsewhere.
     masses in the unit set's mass; centres (3,) and inertias (3, 3) in the user's frame, about each one's own centre.
     ledger: double-counted corners (volumes); ledger_mass: their mass, 0 where densities are scaled to make up for it.
@@ -47,6 +48,7 @@ class Checks:
     doubly_dependent: int
     chained: int
     cracks: int
+    loose_arms: int
     solid_mass: float
     model_mass: float
     ledger_mass: float
@@ -85,6 +87,7 @@ class Checks:
             "doubly_dependent": self.doubly_dependent,
             "chained": self.chained,
             "cracks": self.cracks,
+            "loose_arms": self.loose_arms,
             "mass": {
                 "solid": self.solid_mass,
                 "model": self.model_mass,
@@ -117,6 +120,7 @@ def check_model(model: Model, assembly: Assembly, evaluated: Evaluated) -> Check
         doubly_dependent=doubly,
         chained=chained,
         cracks=edge_cracks(assembly.mesh, assembly.curve_uses),
+        loose_arms=loose_arms(model, assembly.arms),
         solid_mass=solid.mass,
         model_mass=meshed.mass,
         ledger_mass=0.0 if _is_weighed(model) else sum(row.volume for row in assembly.ledger) * density,
@@ -200,6 +204,7 @@ def _with_failures(checks: Checks) -> Checks:
         (checks.doubly_dependent == 0, f"{checks.doubly_dependent} freedoms depend on two couplings"),
         (checks.chained == 0, f"{checks.chained} dependent freedoms are independent in another coupling"),
         (checks.cracks == 0, f"{checks.cracks} mesh edges on curves are not used as often as their faces say"),
+        (checks.loose_arms == 0, f"{checks.loose_arms} nodes of edges that hang by rigid arms are not held by them"),
         (
             abs(checks.accounted_mass_error) <= MASS_TOLERANCE,
             f"the mass differs from the solid's by {checks.accounted_mass_error:+.2%} beside the ledger's corners",

@@ -60,6 +60,8 @@ class Assembly:
     curve_uses: for the crack audit: one row per mesh edge that lies on a shared curve or free curve,
         (n_edge, 3) int64: node, node, expected number of shell element edges there.
     bricks: how each was meshed and why, by segment id.
+    arms: (n_edge, 4) int64: for each element edge that hangs by rigid arms its two nodes, and the two nodes of the
+        joint curve from which these hang.
     warnings: one line each (near misses, small details removed, irregular seeds).
     """
 
@@ -70,6 +72,7 @@ class Assembly:
     ties: tuple[Tie, ...]
     ledger: tuple[LedgerRow, ...] = ()
     curve_uses: NDArray[np.int64] = field(default_factory=lambda: np.empty((0, 3), np.int64))
+    arms: NDArray[np.int64] = field(default_factory=lambda: np.empty((0, 4), np.int64))
     warnings: tuple[str, ...] = ()
     sizes: Sizes = field(default_factory=lambda: Sizes(0.0, "", {}))
     """The element sizes that were used, and what they come from."""

@@ -15,6 +15,7 @@ from kernel.segment.segments import Segment
 from kernel.solid.boxes import BoxIndex
 
 if TYPE_CHECKING:
+    from kernel.idealise.arms import Arm
     from kernel.idealise.brick import SweepGroup
     from kernel.idealise.footprints import Seat
 
@@ -25,7 +26,8 @@ class Parts:
 
     contacts: all joints; joints: those of segments that have elements. sweeps: groups of swept bricks. hosts: by
     brick, the wall whose elements it continues, and the joint there. seats: by beam, the walls that it lies along.
-    absorbed: segments that are the material of walls' corners, and have no elements of their own.
+    absorbed: segments that are the material of walls' corners, and have no elements of their own. arms: webs' edges
+    that hang from joint curves.
     """
 
     topology: Topology
@@ -39,6 +41,7 @@ class Parts:
     hosts: dict[str, tuple[Wall, Joint]] = field(default_factory=dict)
     seats: dict[str, list[Seat]] = field(default_factory=dict)
     absorbed: tuple[str, ...] = ()
+    arms: list[Arm] = field(default_factory=list)
     warnings: list[str] = field(default_factory=list)
     _by_wall: tuple[list[Crossing], dict[int, list[Crossing]]] | None = None
 
@@ -51,6 +54,15 @@ class Parts:
                     by_wall.setdefault(one.index, []).append(crossing)
             self._by_wall = (self.crossings, by_wall)
         return self._by_wall[1].get(wall.index, [])
+
+    def thickest(self) -> dict[int, float]:
+        """By wall index, the greatest thickness of the wall and of those that it crosses."""
+        found = {wall.index: wall.thickness for wall in self.walls.values()}
+        for crossing in self.crossings:
+            most = max(wall.thickness for wall in crossing.walls)
+            for wall in crossing.walls:
+                found[wall.index] = max(found[wall.index], most)
+        return found
 
     def neighbours(self) -> dict[str, set[str]]:
         """Ids of the segments that each segment touches."""

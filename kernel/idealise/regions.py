@@ -160,7 +160,7 @@ def outline_of(
     topology: Topology, wall: Wall, region: PolygonLike, joint_carriers: set[int]
 ) -> tuple[list[Stretch], PolygonLike]:
     """The region's outline as stretches of carriers, the region on their left; and the region, exact again."""
-    lines = {number: _drawn(topology, wall.sheet, number, region) for number in sorted(set(wall.known))}
+    lines = {number: drawn(topology, wall.sheet, number, region) for number in sorted(set(wall.known))}
     lines = {number: line for number, line in lines.items() if line is not None}
     outline: list[_Cut] = []
     rings: list[Array] = []
@@ -210,7 +210,7 @@ def _chained(one: Stretch, other: Stretch) -> Stretch:
     return Stretch(one.carrier, one.end - length, one.end, False, one.first, other.last)
 
 
-def _drawn(topology: Topology, sheet: Sheet, number: int, region: PolygonLike) -> shapely.Geometry | None:
+def drawn(topology: Topology, sheet: Sheet, number: int, region: PolygonLike) -> shapely.Geometry | None:
     """A carrier as a line in the sheet's frame, near the region; None where it stays away from it."""
     carrier = topology.carrier(number)
     left, low, right, high = region.bounds

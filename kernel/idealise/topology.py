@@ -96,6 +96,10 @@ class Topology:
         period = self.carriers[carrier].period
         self._cuts.setdefault(carrier, []).append((parameter % period if period else parameter, point))
 
+    def cuts(self, carrier: int) -> list[float]:
+        """Parameters of the vertices on the carrier so far, in their order; those at one place as one."""
+        return [value for value, _ in self._distinct_cuts(carrier)]
+
     def curves(self) -> list[Curve]:
         """All curves that some face uses, in the order of the carriers and along each."""
         found: list[Curve] = []
@@ -107,12 +111,7 @@ class Topology:
         carrier = self.carriers[index]
         spans = self._spans[index]
         period = carrier.period
-        cuts: list[tuple[float, Array]] = []
-        for value, point in sorted(self._cuts.get(index, []), key=lambda cut: cut[0]):
-            if not cuts or value - cuts[-1][0] > self.tolerance:
-                cuts.append((value, point))
-        if period and len(cuts) > 1 and cuts[0][0] + period - cuts[-1][0] <= self.tolerance:
-            cuts.pop()
+        cuts = self._distinct_cuts(index)
         if period:
             # A closed carrier needs two vertices, or its curve would be a loop without ends.
             if not cuts:
@@ -129,6 +128,17 @@ class Topology:
                 if ends[0] != ends[1]:
                     found.append(Curve(index, start, end, ends, uses))
         return found
+
+    def _distinct_cuts(self, index: int) -> list[tuple[float, Array]]:
+        """Parameter and point of each vertex; the first one of those within the tolerance."""
+        period = self.carriers[index].period
+        cuts: list[tuple[float, Array]] = []
+        for value, point in sorted(self._cuts.get(index, []), key=lambda cut: cut[0]):
+            if not cuts or value - cuts[-1][0] > self.tolerance:
+                cuts.append((value, point))
+        if period and len(cuts) > 1 and cuts[0][0] + period - cuts[-1][0] <= self.tolerance:
+            cuts.pop()
+        return cuts
 
     @staticmethod
     def _uses(spans: list[Span], start: float, end: float, period: float | None) -> dict[int, Use]:

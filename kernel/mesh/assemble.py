@@ -12,6 +12,8 @@ import numpy as np
 
 from kernel.connect.contacts import near_misses
 from kernel.connect.joints import Joint
+from kernel.idealise.arm_cuts import pair_vertices
+from kernel.idealise.arms import TeeOf, arm_candidates, extended, stand_off, tee_choice, unused_choices
 from kernel.idealise.beam import make_beam
 from kernel.idealise.brick import group_bricks
 from kernel.idealise.crossings import find_crossings
@@ -23,6 +25,7 @@ from kernel.idealise.parts import Parts
 from kernel.idealise.regions import join_walls
 from kernel.idealise.topology import BOUNDARY, Topology
 from kernel.idealise.walls import corner_material, make_wall
+from kernel.mesh.arms import arm_rows, arm_ties, hung_curves
 from kernel.mesh.beam_ties import beam_stations
 from kernel.mesh.beams import mesh_beams
 from kernel.mesh.bricks import mesh_bricks
@@ -66,15 +69,21 @@ def assemble(
     report = progress or _silent
     planned = plan_sizes(segments, options, evaluated.model.root, evaluated.size)
     sizes = planned.by_segment
-    parts = idealise(segments, joints, evaluated.size, options.volumes)
+    tee_of = tee_choice(options.tee, options.joint_tees, joints)
+    parts = idealise(segments, joints, evaluated.size, options.volumes, tee_of)
+    parts.warnings += unused_choices(options.joint_tees, joints, parts.arms)
     report("idealised", 0.2)
     nodes = NodeTable()
+    hangings = pair_vertices(parts.topology, parts.arms, parts.thickest()) if parts.arms else []
+    pieces = parts.topology.curves()
+    hung = hung_curves(parts.topology, pieces, hangings)
     curves = seed_curves(
         parts.topology,
-        parts.topology.curves(),
+        pieces,
         {wall.index: wall.sheet for wall in parts.walls.values()},
         {wall.index: sizes[wall.segment.id] for wall in parts.walls.values()},
         nodes,
+        hung,
     )
     blocks: dict[str, list[ElementBlock]] = {segment.id: [] for segment in segments}
     by_face = curves_by_face(curves)
@@ -97,25 +106,30 @@ def assemble(
         mesh, ties, drawn = raise_order(mesh, ties, parts, curves, faces, bricks, raised)
         if drawn:
             parts.warnings.append(f"{drawn} mid-side nodes were drawn back from their curves: the elements are coarse")
+    chains = [seeded.nodes for seeded in curves]
+    arms = arm_rows(chains, hung)
     report("tied", 1.0)
     return Assembly(
         segments=tuple(segment for segment in segments if segment.id not in parts.absorbed),
         joints=tuple(joints),
         mesh=mesh,
         sections={name: beam.section for name, beam in parts.beams.items()},
-        ties=ties,
+        ties=(*arm_ties(mesh, arms, hung, chains), *ties),
         ledger=volume_ledger(parts),
         curve_uses=_curve_uses(curves),
+        arms=arms,
         warnings=(*planned.warnings, *parts.warnings, *near_misses(segments, evaluated, joints)),
         sizes=planned,
         bricks={name: brick.how for name, brick in bricks.items()},
     )
 
 
-def idealise(segments: Sequence[Segment], joints: Sequence[Joint], size: float, volumes: str = "auto") -> Parts:
+def idealise(
+    segments: Sequence[Segment], joints: Sequence[Joint], size: float, volumes: str = "auto", tee_of: TeeOf = extended
+) -> Parts:
     """Walls joined to one topology with all their imprints, beams with their axes, swept bricks in groups.
 
-    size: the model's. volumes: as in MeshOptions.
+    size: the model's. volumes: as in MeshOptions. tee_of: how the tees of two segments are made.
     """
     topology = Topology(VERTEX_TOLERANCE * size, size)
     parts = Parts(topology, {segment.id: segment for segment in segments}, tuple(joints))
@@ -133,8 +147,10 @@ def idealise(segments: Sequence[Segment], joints: Sequence[Joint], size: float, 
     walls = list(parts.walls.values())
     crossings = parts.crossings = find_crossings(topology, walls, joints)
     join_walls(topology, walls, crossings, parts.surroundings(crossings))
+    parts.arms = stand_off(topology, walls, crossings, joints, tee_of, parts.warnings)
     lay_outlines(topology, walls)
     candidates = [*crossing_candidates(topology, crossings), *outline_candidates(topology, walls, joints)]
+    candidates += arm_candidates(parts.arms)
     candidates += [*footprint_candidates(parts), *lap_candidates(parts)]
     axes, parts.seats = seats(parts)
     candidates += axes

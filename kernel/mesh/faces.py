@@ -14,6 +14,7 @@ from kernel.idealise.carriers import is_curved
 from kernel.idealise.outlines import unwrapped
 from kernel.idealise.sheets import Sheet
 from kernel.idealise.topology import BOUNDARY, Curve, Topology
+from kernel.mesh.arms import HungCurve
 from kernel.mesh.gaps import SAMPLES_PER_SIZE, SampledCurve, divide, gap_sizes
 from kernel.mesh.line import least_divisions
 from kernel.mesh.nodes import NodeTable
@@ -64,10 +65,11 @@ def seed_curves(
     sheets: Mapping[int, Sheet],
     sizes: Mapping[int, float],
     nodes: NodeTable,
+    hung: Sequence[HungCurve] = (),
 ) -> list[SeededCurve]:
     """Divide every curve once: by the smallest size of the faces that use it, finer beside narrow gaps in any of them.
 
-    sheets, sizes: by face.
+    sheets, sizes: by face. hung: curves that are divided as those are from which they hang.
     """
     numbers: dict[int, int] = {}
     for curve in curves:
@@ -75,17 +77,31 @@ def seed_curves(
             if vertex not in numbers:
                 numbers[vertex] = int(nodes.add(topology.vertices.points[vertex])[0])
     wanted = [min(sizes[face] for face in curve.uses) for curve in curves]
+    for one in hung:
+        wanted[one.along] = min(wanted[one.along], wanted[one.edge])
     graded = _graded_sizes(topology, curves, sheets, wanted)
-    seeded = []
-    for curve, size, along_curve in zip(curves, wanted, graded):
+    for one in hung:
+        one.grade(graded)
+    edges = {one.edge: one for one in hung}
+    seeded: dict[int, SeededCurve] = {}
+    for place, (curve, size, along_curve) in enumerate(zip(curves, wanted, graded)):
+        if place in edges:
+            continue
         carrier = topology.carrier(curve.carrier)
         samples = np.linspace(0.0, curve.length, len(along_curve))
         inner = curve.start + divide(samples, along_curve, least_divisions(carrier, curve.length, size), is_even=True)
         parameters = np.concatenate([[curve.start], inner, [curve.end]])
         first, last = (numbers[vertex] for vertex in curve.vertices)
         between = nodes.add(carrier.at(inner))
-        seeded.append(SeededCurve(curve, np.concatenate([[first], between, [last]]), parameters, is_curved(carrier)))
-    return seeded
+        chain = np.concatenate([[first], between, [last]])
+        seeded[place] = SeededCurve(curve, chain, parameters, is_curved(carrier))
+    for place, one in edges.items():
+        curve, along = curves[place], seeded[one.along]
+        parameters, points = one.divided(topology, curve, along.curve, along.parameters)
+        first, last = (numbers[vertex] for vertex in curve.vertices)
+        chain = np.concatenate([[first], nodes.add(points), [last]])
+        seeded[place] = SeededCurve(curve, chain, parameters, is_curved(topology.carrier(curve.carrier)))
+    return [seeded[place] for place in range(len(curves))]
 
 
 def _graded_sizes(

@@ -55,6 +55,20 @@ def places_on(edges: NDArray[np.int64], places: NDArray[np.float64]) -> Project:
     return project
 
 
+def middle_nodes(mesh: Mesh) -> dict[tuple[int, int], int]:
+    """Number of the mid-side node of every edge that has one, by its sorted corner nodes."""
+    found: dict[tuple[int, int], int] = {}
+    for block in mesh.blocks:
+        kind = ELEMENT_KINDS[block.kind]
+        if kind.order == 1:
+            continue
+        for place, (a, b) in enumerate(kind.edges):
+            pairs = np.sort(block.connectivity[:, [a, b]], axis=1).tolist()
+            for pair, middle in zip(pairs, block.connectivity[:, kind.n_corner + place].tolist()):
+                found[(pair[0], pair[1])] = middle
+    return found
+
+
 def curved(mesh: Mesh, project: Project | None = None, kinds: Collection[str] | None = None) -> tuple[Mesh, int]:
     """(mesh of second order, number of edges whose mid-side nodes were drawn back towards the straight edge).
 

@@ -14,10 +14,9 @@ from kernel.idealise.members import Tie
 from kernel.idealise.parts import Parts
 from kernel.idealise.sheets import CylinderSheet
 from kernel.mesh.bricks import BrickMesh
-from kernel.mesh.elements import ELEMENT_KINDS
 from kernel.mesh.faces import FaceMesh, SeededCurve, curve_middles
 from kernel.mesh.mesh import Mesh
-from kernel.mesh.order import curved, places_on
+from kernel.mesh.order import curved, middle_nodes, places_on
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
@@ -70,22 +69,8 @@ def _cylinder_middles(parts: Parts, name: str, face: FaceMesh, points: Array) ->
 # ---------------------------------------------------------------- ties
 
 
-def _middle_nodes(mesh: Mesh) -> dict[Edge, int]:
-    """Number of the mid-side node of every edge, by its sorted corner nodes."""
-    found: dict[Edge, int] = {}
-    for block in mesh.blocks:
-        kind = ELEMENT_KINDS[block.kind]
-        if kind.order == 1:
-            continue
-        for place, (a, b) in enumerate(kind.edges):
-            pairs = np.sort(block.connectivity[:, [a, b]], axis=1).tolist()
-            for pair, middle in zip(pairs, block.connectivity[:, kind.n_corner + place].tolist()):
-                found[(pair[0], pair[1])] = middle
-    return found
-
-
 def _tied(ties: Sequence[Tie], mesh: Mesh) -> list[Tie]:
-    middles = _middle_nodes(mesh)
+    middles = middle_nodes(mesh)
     of_node: dict[int, list[Edge]] = {}
     for edge in middles:
         for node in edge:

@@ -68,6 +68,8 @@ def _wall_on_wall(meshed: Meshed, joints: list[Joint], first: Wall, second: Wall
     """
     if any(second.index in seeded.curve.uses for seeded in meshed.curves.get(first.index, [])):
         return []
+    if any(first in arm.walls and second in arm.walls for arm in meshed.parts.arms):
+        return []
     if _joined_through_others(meshed, first, second):
         return []
     by_area = sorted((first, second), key=lambda wall: (wall.region.area, wall.index))
@@ -105,10 +107,14 @@ def _joined_through_others(meshed: Meshed, first: Wall, second: Wall) -> bool:
     """
     carriers = {crossing.carrier for crossing in meshed.parts.crossings_of(first) if second in crossing.walls}
     wanted = {first.sheet.surface_id, second.sheet.surface_id}
+    hanging: dict[int, set[int]] = {}
+    for arm in meshed.parts.arms:
+        hanging.setdefault(arm.along.carrier, set()).add(arm.web.sheet.surface_id)
     for wall in meshed.parts.walls.values():
         if wall.sheet.surface_id in wanted:
             for seeded in meshed.curves.get(wall.index, []):
                 sheets = {meshed.sheets[face] for face in seeded.curve.uses}
+                sheets |= hanging.get(seeded.curve.carrier, set())
                 if seeded.curve.carrier in carriers and wanted <= sheets:
                     return True
     return False

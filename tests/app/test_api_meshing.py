@@ -135,6 +135,18 @@ def test_a_mesh_is_connected_and_as_heavy_as_the_solid(mesh):
     assert abs(mesh["mass"]["error"]) < 1e-3
 
 
+def test_a_tee_hangs_by_arms_where_that_is_asked(client):
+    model = send(client, "TEE = BLO(200, 100, 4) UN (BLO(200, 6, 60) AT (MOVY=47, MOVZ=4))\nOUT TEE\n", "tee.csg")
+    (joint,) = client.get(f"/v1/models/{model}/segments").json()["joints"]
+    for wanted in ({"tee": "arms"}, {"joints": {joint["id"]: "arms"}}):
+        answer = client.post(f"/v1/models/{model}/meshes", json={"size": 20, **wanted})
+        job = wait_for(client, answer.headers["location"])
+        mesh = client.get(f"/v1/meshes/{job['mesh_id']}").json()
+        assert mesh["couplings"]["rbe2"] >= 10
+        assert abs(mesh["mass"]["error"]) < 1e-9
+    assert client.post(f"/v1/models/{model}/meshes", json={"tee": "glue"}).status_code == 422
+
+
 @pytest.mark.parametrize(
     "name, start, ending",
     [("nastran", b"$", ".bdf"), ("gmsh", b"$MeshFormat", ".msh"), ("vtu", b"<?xml", ".vtu")],

@@ -25,6 +25,25 @@ def test_one_joint_is_coupled_as_asked(tmp_path):
     assert text.count("\nRBE3") == 3
 
 
+def test_tees_by_arms_need_nothing_to_make_up_for(tmp_path):
+    deck = tmp_path / "bracket.bdf"
+    done = csgmesh("mesh", BRACKET, "-o", str(deck), "--json", "--tee", "arms")
+    assert done.returncode == 0, done.stderr
+    answer = json.loads(done.stdout)
+    assert abs(answer["mass"]["error"]) < 5e-4
+    assert answer["checks"]["loose_arms"] == 0
+    assert answer["couplings"]["rbe2"] == deck.read_text().count("\nRBE2") > 10
+
+
+def test_one_tee_is_made_as_asked(tmp_path):
+    deck = tmp_path / "bracket.bdf"
+    done = csgmesh("classify", BRACKET, "--json")
+    tee = next(joint["id"] for joint in json.loads(done.stdout)["joints"] if joint["kind"] == "tee")
+    done = csgmesh("mesh", BRACKET, "-o", str(deck), "--joint", f"{tee}=arms")
+    assert done.returncode == 0, done.stderr
+    assert deck.read_text().count("\nRBE2") > 3
+
+
 def test_exact_mass_makes_up_for_corners(tmp_path):
     deck = tmp_path / "bracket.bdf"
     done = csgmesh("mesh", BRACKET, "-o", str(deck), "--mass", "exact", "--json")
@@ -60,8 +79,10 @@ def test_a_node_may_have_elements_of_another_size_and_the_answer_says_so(tmp_pat
 @pytest.mark.parametrize(
     ("option", "complaint"),
     [
-        (("--joint", "j2"), "expected JOINT=COUPLING"),
+        (("--joint", "j2"), "expected JOINT=HOW"),
         (("--joint", "j2=glue"), "unknown coupling 'glue'"),
+        (("--joint", "j99=arms"), "no joint 'j99'"),
+        (("--tee", "glue"), "tee is 'glue', expected one of extend, arms"),
         (("--joint", "j99=rigid"), "no joint 'j99'"),
         (("--size-of", "0"), "--size-of '0': expected NODE=SIZE, such as TOP=20"),
         (("--size-of", "0=fine"), "--size-of 0=fine: 'fine' is wrong, expected a number"),

@@ -7,12 +7,13 @@ import pytest
 from handmade import cantilever, grid, i_outline, model_of, shell_cantilever, solid_cantilever
 from joined import block_on_plate, half_beam_half_solid, lap_of_plates, post_on_plate
 
-from kernel.connect.audit import coincident_nodes, connected_components, edge_cracks, near_pairs
+from kernel.connect.audit import coincident_nodes, connected_components, edge_cracks, loose_arms, near_pairs
 from kernel.connect.checks import dependence
 from kernel.connect.couplings import nodes_with_rotations
 from kernel.connect.mass import block_moments, solid_moments, total
 from kernel.connect.model import Property, Rbe2
 from kernel.mesh.mesh import ElementBlock
+from kernel.mesh.order import middle_nodes, to_second_order
 
 
 @pytest.mark.parametrize("make", [post_on_plate, block_on_plate, lap_of_plates, lambda: half_beam_half_solid("work")])
@@ -118,3 +119,21 @@ def test_a_closed_surface_has_the_inertia_of_its_body():
     assert found.centre == pytest.approx([10050, 0, 17])
     expected = 20000 / 12 * np.array([10**2 + 20**2, 100**2 + 20**2, 100**2 + 10**2])
     assert found.inertia == pytest.approx(np.diag(expected), rel=1e-9, abs=1e-4)
+
+
+def test_nodes_that_should_hang_and_do_not_are_counted_mid_sides_too():
+    nodes, quads = grid((0, 0, 0), (10, 0, 0), (0, 10, 0), 2, 2)
+    both = np.vstack([nodes, nodes + [0, -25, 0]])
+    mesh = to_second_order(
+        model_of(both, [ElementBlock("s1", "quad4", quads), ElementBlock("s2", "quad4", quads + 9)], []).mesh
+    )
+    middle = middle_nodes(mesh)
+    arms = np.array([(0, 1, 15, 16), (1, 2, 16, 17)])
+    pairs = [(0, 15), (1, 16), (2, 17), (middle[0, 1], middle[15, 16]), (middle[1, 2], middle[16, 17])]
+    held = tuple(Rbe2(independent, np.array([node])) for node, independent in pairs)
+    model = replace(model_of(both, [], []), mesh=mesh, couplings=held)
+    assert loose_arms(model, arms) == 0
+    assert loose_arms(replace(model, couplings=held[1:]), arms) == 1
+    assert loose_arms(replace(model, couplings=held[:-1]), arms) == 1
+    hinge = Rbe2(15, np.array([0]), "123")
+    assert loose_arms(replace(model, couplings=(hinge, *held[1:])), arms) == 1

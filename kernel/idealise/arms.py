@@ -1,0 +1,322 @@
+"""Tees by rigid arms: a web that stops at its flange's face, and hangs from the curve in which they would have met.
+
+    extend          arms
+      | web           | web          w  the edge in which the web now ends, on the flange's face
+      |               w              j  the joint curve, imprinted in the flange
+    --j-- flange    --j-- flange     w follows j rigidly: half the flange's thickness, along the web's mid-surface
+
+The walls are first carried on to where their mid-surfaces meet, as ever. Where a wall then ends on a curve that lies
+inside another's mid-surface, its part within that other's slab is cut off again. Corners (both walls end on the
+curve) and crosses (neither does) keep their common curve.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+from shapely import LineString
+
+from kernel.connect.joints import Joint
+from kernel.errors import ConnectError, OptionError
+from kernel.idealise.carriers import Line
+from kernel.idealise.crossings import Crossing, slab_edges
+from kernel.idealise.imprints import Candidate
+from kernel.idealise.intersections import intersection
+from kernel.idealise.outlines import PolygonLike, Stretch, domain, unwrapped, windowed
+from kernel.idealise.regions import GRID, drawn, outline_of, strip
+from kernel.idealise.topology import Topology
+from kernel.idealise.walls import Wall, section_outline
+from kernel.segment.slices import parts_of
+from kernel.solid.surfaces import signed_distance
+
+Array = NDArray[np.float64]
+
+PROBES = np.array([0.07, 0.29, 0.5, 0.73, 0.91])
+"""Where along a joint curve it is asked which walls go on beyond it; in no regular places, where others would meet."""
+
+ASIDE = 0.05
+"""How far beside the curve it is asked, as a share of the thinner wall."""
+
+WITHIN = 0.5
+"""A cell of the web goes when more than this share of it lies in the flange's slab along the joint curve."""
+
+ALONGSIDE = 1e-6
+"""An edge runs along a joint curve when the sine between them is smaller."""
+
+SAME_THICKNESS = 1e-6
+"""Coplanar walls are one flange when their thicknesses differ by less than this share."""
+
+TeeOf = Callable[[str, str], str]
+"""How the tees of two segments are made, "extend" or "arms"."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Arm:
+    """A stretch `edge` of the web's outline that hangs from the stretch `along` of the joint curve.
+
+    flanges: the walls, all on one sheet, inside which the joint curve lies. side: 1 where the web stands on the side
+    to which the flange's normal points, else -1. gap: how far from the flange's face the web ends.
+    """
+
+    web: Wall
+    flanges: tuple[Wall, ...]
+    joint: Joint
+    along: Stretch
+    edge: Stretch
+    side: float
+    gap: float
+
+    @property
+    def walls(self) -> tuple[Wall, ...]:
+        """The web and its flanges."""
+        return (self.web, *self.flanges)
+
+    def edge_points(self, points: Array) -> Array:
+        """The points (n, 3) of the web's edge that hang from points (n, 3) of the joint curve."""
+        sides = slab_edges(self.web, self.flanges[0], points, self.gap)
+        return sides[0] if self.side > 0 else sides[1]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Tee:
+    """A stretch of a joint curve on which the web is to be cut off, at the carrier `number`, `gap` off the face."""
+
+    crossing: Crossing
+    flanges: tuple[Wall, ...]
+    along: Stretch
+    side: float
+    gap: float
+    number: int
+
+
+def extended(_one: str, _other: str) -> str:
+    """All tees by mid-surfaces that are carried on."""
+    return "extend"
+
+
+def tee_choice(tee: str, of_joint: Mapping[str, str], joints: Sequence[Joint]) -> TeeOf:
+    """What holds for two segments: what was said of one of their joints, else `tee`.
+
+    of_joint: "extend" or "arms" by joint id. OptionError: an unknown joint.
+    """
+    known = {joint.id: frozenset(joint.segments) for joint in joints}
+    for name in of_joint:
+        if name not in known:
+            raise OptionError(f"no joint {name!r} in the model, expected one of {', '.join(known) or 'none'}")
+    pinned = {known[name]: value for name, value in of_joint.items()}
+    return lambda one, other: pinned.get(frozenset((one, other)), tee)
+
+
+def stand_off(
+    topology: Topology,
+    walls: Sequence[Wall],
+    crossings: Sequence[Crossing],
+    joints: Sequence[Joint],
+    tee_of: TeeOf,
+    warnings: list[str],
+) -> list[Arm]:
+    """Cut every web whose tee is to be made by arms back to its flange's face, and say what hangs from what.
+
+    The walls must have been joined (regions.join_walls). warnings: gets a line for each tee that stays extended.
+    """
+    by_sheet: dict[int, list[Wall]] = {}
+    for wall in walls:
+        by_sheet.setdefault(wall.sheet.surface_id, []).append(wall)
+    tees: dict[int, list[_Tee]] = {}
+    for crossing in crossings:
+        for web in crossing.walls:
+            if tee_of(*(wall.segment.id for wall in crossing.walls)) == "arms":
+                tees.setdefault(web.index, []).extend(_tees(topology, crossing, web, by_sheet, warnings))
+    regions = {wall.index: _cut_region(topology, wall, tees[wall.index]) for wall in walls if tees.get(wall.index)}
+    arms = []
+    for wall in walls:
+        if wall.index in regions:
+            numbers = {tee.number for tee in tees[wall.index]}
+            wall.known = sorted({*wall.known, *numbers})
+            preferred = numbers | {crossing.carrier for crossing in crossings if wall in crossing.walls}
+            wall.outline, wall.region = outline_of(topology, wall, regions[wall.index], preferred)
+            arms += [arm for tee in tees[wall.index] for arm in _arms(topology, wall, tee, joints)]
+    return arms
+
+
+def unused_choices(of_joint: Mapping[str, str], joints: Sequence[Joint], arms: Sequence[Arm]) -> list[str]:
+    """A line for each joint of which arms were asked, and that is no tee."""
+    hung = {frozenset((arm.web.segment.id, wall.segment.id)) for arm in arms for wall in arm.flanges}
+    lines = []
+    for joint in joints:
+        if of_joint.get(joint.id) == "arms" and frozenset(joint.segments) not in hung:
+            names = f"{joint.kind} of {joint.segments[0]} and {joint.segments[1]}"
+            lines.append(f"{joint.id} ({names}) has no arms: no wall ends within another there")
+    return lines
+
+
+def arm_candidates(arms: Sequence[Arm]) -> list[Candidate]:
+    """The joint curves, in the flanges alone."""
+    return [Candidate(flange, arm.along) for arm in arms for flange in arm.flanges]
+
+
+# ---------------------------------------------------------------- which curves are tees
+
+
+def _tees(
+    topology: Topology, crossing: Crossing, web: Wall, by_sheet: dict[int, list[Wall]], warnings: list[str]
+) -> list[_Tee]:
+    """The stretches of the web's outline that lie within the mid-surface of the other wall."""
+    other = crossing.other(web)
+    level = [
+        wall
+        for wall in by_sheet[other.sheet.surface_id]
+        if abs(wall.thickness - other.thickness) <= SAME_THICKNESS * other.thickness
+    ]
+    found = []
+    for stretch in web.outline:
+        if stretch.carrier != crossing.carrier:
+            continue
+        flanges = _walls_through(topology, stretch, level, web.thickness)
+        if other not in flanges:
+            continue
+        if len(flanges) > 1 and _walls_through(topology, stretch, by_sheet[web.sheet.surface_id], np.inf):
+            continue  # four walls in a cross
+        tee = _as_tee(topology, crossing, web, flanges, stretch)
+        if tee is None:
+            x, y, z = topology.carrier(stretch.carrier).at(np.array([0.5 * (stretch.start + stretch.end)]))[0]
+            warnings.append(
+                f"{web.segment.id} is carried on into {other.segment.id} near ({x:.6g}, {y:.6g}, {z:.6g}): it has no "
+                "edge at the face there from which an arm could reach"
+            )
+        else:
+            found.append(tee)
+    return found
+
+
+def _walls_through(topology: Topology, stretch: Stretch, walls: Sequence[Wall], thickness: float) -> tuple[Wall, ...]:
+    """Those of some walls of one sheet that go on, together, on both sides of a curve in it; none where they end.
+
+    thickness: of what stands on them, for how far beside the curve they are looked for.
+    """
+    sheet = walls[0].sheet
+    carrier = topology.carrier(stretch.carrier)
+    middles = stretch.start + PROBES * (stretch.end - stretch.start)
+    points = carrier.at(middles)
+    step = 1e-3 * (stretch.end - stretch.start)
+    tangents = carrier.at(middles + step) - points
+    across = np.cross(sheet.normals(points), tangents)
+    across *= ASIDE * min(thickness, *(wall.thickness for wall in walls))
+    across /= np.linalg.norm(np.cross(sheet.normals(points), tangents), axis=1, keepdims=True)
+    held: set[int] = set()
+    for sign in (1.0, -1.0):
+        flat = sheet.flat(points + sign * across)
+        inside = np.array([shapely.contains_xy(wall.region, flat[:, 0], flat[:, 1]) for wall in walls])
+        if not inside.any(axis=0).all():
+            return ()
+        held.update(np.nonzero(inside.any(axis=1))[0].tolist())
+    return tuple(walls[place] for place in sorted(held))
+
+
+def _as_tee(
+    topology: Topology, crossing: Crossing, web: Wall, flanges: tuple[Wall, ...], along: Stretch
+) -> _Tee | None:
+    """The tee, with the carrier on which the web is to end; None where it has no edge at the flange's face."""
+    flange = flanges[0]
+    carrier = topology.carrier(along.carrier)
+    points = carrier.at(along.start + PROBES * (along.end - along.start))
+    beyond = slab_edges(web, flange, points, crossing.gap.get(web.index, 0.0) + ASIDE * web.thickness)
+    sides = []
+    for sign, places in zip((1.0, -1.0), beyond):
+        flat = web.sheet.flat(places)
+        sides.append((int(shapely.contains_xy(web.region, flat[:, 0], flat[:, 1]).sum()), sign))
+    count, side = max(sides)
+    if not count:
+        return None
+    if web.index in crossing.gap:
+        own = _own_edge(topology, crossing, web, flange, side)
+        if own is None or not _is_filled(topology, web, flanges, points, side, own[0]):
+            return None if own is None else _Tee(crossing, flanges, along, side, *own)
+    table = flange.segment.solid.surfaces.surfaces
+    edge = slab_edges(web, flange, points, 0.0)[0 if side > 0 else 1]
+    away = [float(np.abs(signed_distance(table[face], edge)).max()) for face in flange.surface_ids]
+    face = flange.surface_ids[int(np.argmin(away))]
+    number = intersection(topology.carriers, table, web.sheet.surface_id, face, edge[2:3])
+    return _Tee(crossing, flanges, along, side, 0.0, number)
+
+
+def _own_edge(topology: Topology, crossing: Crossing, web: Wall, flange: Wall, side: float) -> tuple[float, int] | None:
+    """How far from the flange's face a web that stands askew ends, and the carrier there; None where it is curved."""
+    curve = topology.carrier(crossing.carrier)
+    if not isinstance(curve, Line):
+        return None
+    found = []
+    for number in {stretch.carrier for ring in web.rings for stretch in ring}:
+        edge = topology.carrier(number)
+        if isinstance(edge, Line) and np.linalg.norm(np.cross(edge.direction, curve.direction)) < ALONGSIDE:
+            away = side * float(signed_distance(flange.sheet.surface, edge.point[None])[0]) - 0.5 * flange.thickness
+            if -topology.tolerance <= away <= crossing.gap[web.index] + topology.tolerance:
+                found.append((max(away, 0.0), number))
+    return min(found, default=None)
+
+
+def _is_filled(
+    topology: Topology, web: Wall, flanges: tuple[Wall, ...], points: Array, side: float, gap: float
+) -> bool:
+    """Whether the wedge between a web's square end and the flange's face is material, which the flange was given."""
+    middle = web.sheet.flat(slab_edges(web, flanges[0], points, 0.5 * gap)[0 if side > 0 else 1])
+    inside = np.zeros(len(points), dtype=bool)
+    for flange in flanges:
+        rings = section_outline(topology, flange.segment.solid, web.sheet)
+        if rings:
+            inside |= shapely.contains_xy(domain(topology, web.sheet, rings), middle[:, 0], middle[:, 1])
+    return bool(inside.all())
+
+
+# ---------------------------------------------------------------- the web cut back
+
+
+def _cut_region(topology: Topology, web: Wall, tees: Sequence[_Tee]) -> PolygonLike:
+    """The web's region less its parts within the slabs of the flanges it ends in."""
+    grid = GRID * topology.carriers.reach
+    lines = [drawn(topology, web.sheet, tee.number, web.region) for tee in tees]
+    slabs = [strip(topology, web, tee.crossing, tee.along.start, tee.along.end, tee.gap) for tee in tees]
+    slab = shapely.union_all(slabs, grid_size=grid)
+    cut = shapely.union_all([web.region.boundary, *(line for line in lines if line is not None)], grid_size=grid)
+    kept = []
+    for cell in parts_of(shapely.polygonize(list(shapely.get_parts(cut)))):
+        if web.region.contains(cell.representative_point()):
+            if cell.intersection(slab).area <= WITHIN * cell.area:
+                kept.append(cell)
+    if not kept:
+        names = ", ".join(sorted({wall.segment.id for tee in tees for wall in tee.flanges}))
+        raise ConnectError(
+            f"{web.segment.id} lies wholly within the slabs of {names}, expected a web that stands out of them: "
+            "these joints must be extended"
+        )
+    return shapely.union_all(kept, grid_size=grid)
+
+
+def _arms(topology: Topology, web: Wall, tee: _Tee, joints: Sequence[Joint]) -> list[Arm]:
+    """An arm for each stretch of the web's new outline that is on the tee's edge, beside its joint curve."""
+    names = {frozenset((web.segment.id, wall.segment.id)) for wall in tee.flanges}
+    between = [joint for joint in joints if frozenset(joint.segments) in names]
+    joint = max(between, key=lambda joint: joint.area)
+    found = []
+    for stretch in web.outline:
+        if stretch.carrier == tee.number and _is_beside(topology, web, tee, stretch):
+            found.append(Arm(web, tee.flanges, joint, tee.along, stretch, tee.side, tee.gap))
+    if not found:
+        raise ConnectError(
+            f"{web.segment.id} finds no edge at the face of {tee.flanges[0].segment.id} ({joint.id}), expected one: "
+            "this joint must be extended"
+        )
+    return found
+
+
+def _is_beside(topology: Topology, web: Wall, tee: _Tee, edge: Stretch) -> bool:
+    """Whether part of the edge lies beside the tee's joint curve: within its slab, a little widened."""
+    middles = edge.start + np.linspace(0.01, 0.99, 41) * (edge.end - edge.start)
+    line = windowed(web.sheet, LineString(unwrapped(web.sheet, topology.carrier(edge.carrier).at(middles))))
+    more = tee.gap + ASIDE * min(web.thickness, tee.flanges[0].thickness)
+    slab = strip(topology, web, tee.crossing, tee.along.start, tee.along.end, more)
+    return bool(line.intersection(slab).length > 0.01 * min(line.length, tee.along.end - tee.along.start))
