@@ -147,10 +147,12 @@ def deck_task(payload: Payload, artifacts: Artifacts, _progress: Progress) -> st
 def mesh_glb_task(payload: Payload, artifacts: Artifacts, _progress: Progress) -> str:
     """A kept mesh as GLB, a node of the scene for each segment; gives its artifact."""
     from app.report.gltf import glb
+    from app.report.quality_scene import quality_bodies
     from app.report.scenes import mesh_bodies
 
     model = pickle.loads(artifacts.get(payload["content"]))["model"]
-    return artifacts.put(glb(mesh_bodies(model)))
+    bodies = quality_bodies(model) if payload["colour"] == "quality" else mesh_bodies(model)
+    return artifacts.put(glb(bodies))
 
 
 def rules_load_task(payload: Payload, _artifacts: Artifacts, _progress: Progress) -> dict[str, str]:

@@ -250,9 +250,16 @@ def get_deck(
     response_class=Response,
     responses=documented(None, 404, media_type="model/gltf-binary"),
 )
-def get_mesh_glb(mesh_id: str, context: Ctx) -> Response:
-    """The mesh as binary glTF: for each segment its faces (by name `s1`) and its element edges (`s1 edges`)."""
-    digest = context.ask("mesh_glb", {"content": context.mesh(mesh_id).content})
+def get_mesh_glb(
+    mesh_id: str,
+    context: Ctx,
+    colour: Annotated[Literal["segment", "quality"], Query(description="what the colours tell apart")] = "segment",
+) -> Response:
+    """The mesh as binary glTF: for each segment its faces (by name `s1`) and its element edges (`s1 edges`).
+
+    By quality: for each segment and tenth of the scaled Jacobian (`s1 0.9`: 0.9 to 1), and their edges.
+    """
+    digest = context.ask("mesh_glb", {"content": context.mesh(mesh_id).content, "colour": colour})
     return Response(context.artifacts.get(digest), media_type="model/gltf-binary")
 
 

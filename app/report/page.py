@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from app.answers import meshed_answer
 from app.report.pictures import pictures
+from app.report.quality_scene import RAMP
 from app.report.scenes import segment_colours
 from app.texts import measure_text, number, plural
 from kernel.csg.tree import walk
@@ -25,6 +26,7 @@ CAPTIONS = {
     "solid": "The solid, as the CSG tree describes it",
     "segments": "Its segments, as they were decided",
     "mesh": "The mesh: shells at their mid-surface, beams with their section",
+    "quality": "The mesh by scaled Jacobian",
 }
 
 CALLED = {"plates": "several plates", "split": "what its operands are", "cut": "several pieces"}
@@ -47,16 +49,19 @@ def report_page(meshed: Meshed) -> str:
     """The page as HTML text."""
     answer = meshed_answer(meshed)
     colours = segment_colours([segment.id for segment in answer.segments])
+    figures = {name: _figure(name, content, _extents(meshed)) for name, content in pictures(meshed).items()}
     parts = [
         f"<h1>{escape(answer.model)}</h1>",
         f"<p>{_summary(answer)}</p>",
-        *(_figure(name, content, _extents(meshed)) for name, content in pictures(meshed).items()),
+        *(figure for name, figure in figures.items() if name != "quality"),
         "<h2>Segments</h2>",
         _segments(answer, colours, {path: node.kind for path, node in walk(meshed.classified.csg.root)}),
         *_sizes(answer),
         "<h2>Joints</h2>",
         _table(("joint", "kind", "segments", "area"), [_joint(j) for j in answer.joints]) or "<p>None.</p>",
         "<h2>Element quality</h2>",
+        figures["quality"],
+        _legend(),
         _quality(meshed),
         "<h2>Mass and checks</h2>",
         _checks(answer),
@@ -161,6 +166,15 @@ def _measures(segment: SegmentAnswer) -> str:
 
 def _joint(joint: Any) -> tuple[str, ...]:
     return (joint.id, joint.kind, " ".join(joint.segments), number(joint.area))
+
+
+def _legend() -> str:
+    """What the colours of the picture by quality mean."""
+    swatches = "".join(
+        f'<span class="swatch" style="background: rgb{colour}"></span>{place / 10:g} '
+        for place, colour in enumerate(RAMP)
+    )
+    return f"<p><small>Scaled Jacobian from: {swatches}; line elements grey.</small></p>"
 
 
 def _quality(meshed: Meshed) -> str:

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from app.report.quality_scene import quality_bodies
 from app.report.render import Scene, png, render
 from app.report.scenes import EDGE_COLOUR, Body, mesh_bodies, segment_bodies, solid_body
 
@@ -14,12 +15,13 @@ if TYPE_CHECKING:
 
 
 def pictures(meshed: Meshed) -> dict[str, bytes]:
-    """PNG files: "solid", "segments" and "mesh", in this order."""
+    """PNG files: "solid", "segments", "mesh" and "quality", in this order."""
     classified = meshed.classified
     return {
         "solid": picture([solid_body(classified.evaluated)]),
         "segments": picture(segment_bodies(classified.evaluated, classified.partition.segments)),
         "mesh": picture(mesh_bodies(meshed.model)),
+        "quality": picture(quality_bodies(meshed.model)),
     }
 
 

@@ -56,28 +56,39 @@ def segment_bodies(evaluated: Evaluated, segments: tuple[Segment, ...]) -> list[
 def mesh_bodies(model: Model) -> list[Body]:
     """Every segment's elements: shells' and solids' outer faces with their edges, beams as their extruded sections."""
     nodes = model.mesh.nodes
-    colours = segment_colours([prop.segment for prop in model.properties])
-    sections = {prop.segment: prop.section for prop in model.properties}
     bodies = []
-    for name, colour in colours.items():
-        triangles, lines = [np.empty((0, 3, 3))], [np.empty((0, 2, 3))]
-        volumes = [block for block in model.mesh.blocks if block.segment == name]
-        loops: list[NDArray[np.int64]] = []
-        for block in volumes:
-            section = sections.get(name)
-            if ELEMENT_KINDS[block.kind].dimension == 1:
-                if section is not None and block.orientation is not None:
-                    beam_triangles, beam_lines = _beam(nodes, block, section)
-                    triangles.append(beam_triangles)
-                    lines.append(beam_lines)
-                lines.append(nodes[block.connectivity[:, :2]])
-            else:
-                loops += _element_faces(block)
-        for loop in _outer(loops):
-            triangles += [nodes[loop[:, [0, k, k + 1]]] for k in range(1, loop.shape[1] - 1)]
-            lines.append(nodes[np.stack([loop, np.roll(loop, -1, axis=1)], axis=2).reshape(-1, 2)])
+    for name, colour in segment_colours([prop.segment for prop in model.properties]).items():
+        triangles, lines = beam_shapes(model, name)
+        for loop, _ in outer_faces([block for block in model.mesh.blocks if block.segment == name]):
+            triangles.append(fans(nodes, loop))
+            lines.append(rims(nodes, loop))
         bodies.append(Body(name, colour, np.concatenate(triangles), np.concatenate(lines)))
     return bodies
+
+
+def beam_shapes(model: Model, segment: str) -> tuple[list[NDArray[np.float64]], list[NDArray[np.float64]]]:
+    """Triangles and lines of the segment's line elements with their extruded section; none for other segments."""
+    nodes = model.mesh.nodes
+    section = next((prop.section for prop in model.properties if prop.segment == segment), None)
+    triangles, lines = [np.empty((0, 3, 3))], [np.empty((0, 2, 3))]
+    for block in model.mesh.blocks:
+        if block.segment == segment and ELEMENT_KINDS[block.kind].dimension == 1:
+            if section is not None and block.orientation is not None:
+                beam_triangles, beam_lines = _beam(nodes, block, section)
+                triangles.append(beam_triangles)
+                lines.append(beam_lines)
+            lines.append(nodes[block.connectivity[:, :2]])
+    return triangles, lines
+
+
+def fans(nodes: NDArray[np.float64], loops: NDArray[np.int64]) -> NDArray[np.float64]:
+    """Corner loops (n, 3 or 4) as triangles (m, 3, 3), those of the first corner's fan one fan after the other."""
+    return np.concatenate([nodes[loops[:, [0, k, k + 1]]] for k in range(1, loops.shape[1] - 1)])
+
+
+def rims(nodes: NDArray[np.float64], loops: NDArray[np.int64]) -> NDArray[np.float64]:
+    """The sides of corner loops as lines (m, 2, 3)."""
+    return nodes[np.stack([loops, np.roll(loops, -1, axis=1)], axis=2).reshape(-1, 2)]
 
 
 def _facets_body(name: str, colour: tuple[int, int, int], facets: Facets, frame: NDArray[np.float64]) -> Body:
@@ -96,24 +107,26 @@ def _feature_edges(facets: Facets) -> NDArray[np.int64]:
     return edges[shown]
 
 
-def _element_faces(block: ElementBlock) -> list[NDArray[np.int64]]:
-    """Corner loops of the faces of every element, an array for triangles and one for quadrilaterals."""
-    faces: dict[int, list[NDArray[np.int64]]] = {}
-    for face in ELEMENT_KINDS[block.kind].faces:
-        faces.setdefault(len(face), []).append(block.connectivity[:, list(face)])
-    return [np.concatenate(loops) for loops in faces.values()]
+def outer_faces(blocks: list[ElementBlock]) -> list[tuple[NDArray[np.int64], NDArray[np.int64]]]:
+    """What can be seen of one segment: corner loops of faces that stand once, and the element of each.
 
-
-def _outer(loops: list[NDArray[np.int64]]) -> list[NDArray[np.int64]]:
-    """Of the faces of one segment, those that stand once: what can be seen from outside (all of them for shells)."""
+    Triangles and quadrilaterals apart. Elements count through all blocks that are given, lines included.
+    """
+    loops: dict[int, list[NDArray[np.int64]]] = {3: [], 4: []}
+    owners: dict[int, list[NDArray[np.int64]]] = {3: [], 4: []}
+    first = 0
+    for block in blocks:
+        for face in ELEMENT_KINDS[block.kind].faces:
+            loops[len(face)].append(block.connectivity[:, list(face)])
+            owners[len(face)].append(first + np.arange(len(block.connectivity)))
+        first += len(block.connectivity)
     outer = []
     for corners in (3, 4):
-        same = [loop for loop in loops if loop.shape[1] == corners]
-        if not same:
-            continue
-        together = np.concatenate(same)
-        _, inverse, count = np.unique(np.sort(together, axis=1), axis=0, return_inverse=True, return_counts=True)
-        outer.append(together[count[inverse.ravel()] == 1])
+        if loops[corners]:
+            together, owner = np.concatenate(loops[corners]), np.concatenate(owners[corners])
+            _, inverse, count = np.unique(np.sort(together, axis=1), axis=0, return_inverse=True, return_counts=True)
+            shown = count[inverse.ravel()] == 1
+            outer.append((together[shown], owner[shown]))
     return outer
 
 

@@ -191,17 +191,35 @@ async function showView(fit) {
     tab.setAttribute("aria-selected", String(tab.dataset.view === state.view));
     if (tab.dataset.view === "mesh") tab.disabled = !state.mesh;
   }
+  byId("by-quality-label").hidden = state.view !== "mesh";
+  const byQuality = state.view === "mesh" && byId("by-quality").checked;
+  byId("quality-legend").hidden = !byQuality;
   if (!state.model) return;
   const model = `/v1/models/${state.model.id}`;
-  const paths = { solid: `${model}/solid.glb`, segments: `${model}/segments.glb`, mesh: state.mesh && `/v1/meshes/${state.mesh.id}/mesh.glb` };
+  const paths = { solid: `${model}/solid.glb`, segments: `${model}/segments.glb`, mesh: state.mesh && `/v1/meshes/${state.mesh.id}/mesh.glb${byQuality ? "?colour=quality" : ""}` };
   const parts = parseGlb(await (await ask("GET", paths[state.view])).arrayBuffer());
   viewer.show(parts, fit);
-  if (state.view === "solid") return;
+  if (byQuality) showLegend(parts);
+  if (state.view === "solid" || byQuality) return;
   for (const row of byId("segments").children) {
     const part = parts.find((p) => p.name === row.dataset.segment);
-    if (part) row.querySelector(".swatch").style.background = `rgb(${part.colour.slice(0, 3).map((v) => Math.round(255 * v)).join(" ")})`;
+    if (part) row.querySelector(".swatch").style.background = css(part.colour);
   }
 }
+
+// The parts are named `s1 0.9`: a segment, and from where on the scaled Jacobians lie that have this colour.
+function showLegend(parts) {
+  const colours = {};
+  for (const part of parts) {
+    const from = part.name.split(" ")[1];
+    if (!part.isLines && from !== undefined) colours[from] = part.colour;
+  }
+  const swatch = (colour) => make("span", { class: "swatch", style: `background: ${css(colour)}` });
+  const found = Object.entries(colours).sort(([a], [b]) => b - a);
+  byId("quality-legend").replaceChildren("scaled Jacobian from: ", ...found.flatMap(([from, colour]) => [swatch(colour), ` ${from} `]));
+}
+
+const css = (colour) => `rgb(${colour.slice(0, 3).map((v) => Math.round(255 * v)).join(" ")})`;
 
 function forgetMesh() {
   state.mesh = null;
@@ -265,6 +283,7 @@ function showMesh() {
     make("p", {}, `mass ${shown(mesh.mass.model)}, of the solid ${shown(mesh.mass.solid)} (${error} %)`),
     qualityTable(mesh.quality),
   ];
+  for (const [segment, how] of Object.entries(mesh.bricks)) lines.push(make("p", { class: "quiet" }, `${segment}: ${how}`));
   for (const failure of mesh.checks.failures || []) lines.push(make("p", { class: "bad" }, failure));
   for (const warning of mesh.warnings) lines.push(make("p", { class: "quiet" }, warning));
   byId("quality-summary").replaceChildren(...lines);
@@ -299,6 +318,7 @@ byId("example-select").addEventListener("change", (event) => attempt(async () =>
 }));
 byId("mesh-form").addEventListener("submit", (event) => { event.preventDefault(); attempt(startMesh); });
 byId("cancel-button").addEventListener("click", () => attempt(() => ask("DELETE", `/v1/jobs/${state.job.id}`)));
+byId("by-quality").addEventListener("change", () => attempt(() => showView(false)));
 byId("deck-format").addEventListener("change", linkDeck);
 for (const tab of document.querySelectorAll("[role=tab]")) {
   tab.addEventListener("click", () => attempt(async () => { state.view = tab.dataset.view; await showView(!viewer.parts.length); }));

@@ -135,6 +135,22 @@ def test_a_mesh_is_made_shown_and_downloaded(page, url):
         assert link.startswith(url) and urllib.request.urlopen(link, timeout=30).read().startswith(start)
 
 
+def test_a_mesh_is_coloured_by_quality_with_a_legend(page):
+    open_example(page, "Bracket", 3)
+    assert page.run(f"{by('by-quality')}.parentElement.hidden")
+    page.run(f"{by('mesh-size')}.value = '8'")
+    page.run(f"{by('mesh-button')}.click()")
+    page.wait(f"!{by('by-quality')}.parentElement.hidden")
+    page.wait("!document.body.hasAttribute('aria-busy')")
+    plain = page.run(f"{by('viewer')}.toDataURL()")
+    page.run(f"{by('by-quality')}.click()")
+    page.wait(f"{by('quality-legend')}.textContent.includes('scaled Jacobian from:  0.9')")
+    page.wait(f"{by('viewer')}.toDataURL() !== {plain!r}")
+    page.run(f"{by('by-quality')}.click()")
+    page.wait(f"{by('viewer')}.toDataURL() === {plain!r}")
+    assert page.run(f"{by('quality-legend')}.hidden")
+
+
 def test_a_file_is_opened_and_a_wrong_one_is_refused_with_its_place(page, tmp_path):
     page.give_file("[data-testid=open-model]", EXAMPLES / "pipe.csg")
     page.wait("document.querySelectorAll('[data-testid=segment-row]').length === 1")

@@ -5,8 +5,12 @@ import zlib
 
 import numpy as np
 import pytest
+from handmade import model_of
 
+from app.report.quality_scene import RAMP, quality_bodies
 from app.report.render import Scene, png, render
+from kernel.connect.model import Property
+from kernel.mesh.mesh import ElementBlock
 
 RED, BLUE, BLACK = (255, 0, 0), (0, 0, 255), (0, 0, 0)
 FROM_ABOVE = (0.0, 0.0, 1.0)
@@ -45,6 +49,15 @@ def test_a_face_turned_away_from_the_light_is_darker():
     image = render(Scene(triangles, np.full((6, 3), 200, np.uint8)), 200, 200)
     shades = {int(value) for value in np.unique(image[..., 0]) if value < 250 and (image[..., 0] == value).sum() > 500}
     assert len(shades) == 3
+
+
+def test_elements_are_coloured_by_their_scaled_jacobian():
+    square_and_rhombus = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [2, 1, 0], [2, 2, 0]], float)
+    block = ElementBlock("s1", "quad4", np.array([[0, 1, 2, 3], [1, 4, 5, 2]]))
+    model = model_of(square_and_rhombus, [block], [Property("s1", "plate", "steel", thickness=1.0)])
+    bodies = quality_bodies(model)
+    assert [(body.name, body.colour) for body in bodies] == [("s1 0.7", RAMP[7]), ("s1 0.9", RAMP[9])]
+    assert [len(body.triangles) for body in bodies] == [2, 2]
 
 
 def test_an_empty_scene_is_a_white_picture():

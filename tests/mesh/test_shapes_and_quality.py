@@ -107,7 +107,7 @@ def test_measures_of_random_elements_are_verdicts(element):
 
 
 def test_the_aspect_of_a_hex_is_its_longest_over_its_shortest_edge():
-    places = np.array(REGULAR["hex8"]) * [3, 1, 2]
+    places = np.array(REGULAR["hex8"], float) * [3, 1, 2]
     places[6] += [0.5, 0, 0]
     assert quality_of("hex8", places)["aspect"] == pytest.approx(3.5)
 
