@@ -26,6 +26,10 @@ MATERIAL_HELP = (
     "(Ti-6Al-4V), concrete (C30/37), one that the model defines, or a YAML file {name: S355, E: 210000, NU: 0.3, "
     "RHO: 7.85e-9}."
 )
+CURVES_HELP = (
+    "CURVES: a node (curves on its surfaces, the axis of a beam), a segment (its outline), A&B (what two share), or a "
+    "point x,y,z (the curve nearest to it); docs/meshing.md has examples."
+)
 COUPLING_HELP = (
     "Where dimensions change: distributing (RBE3: a beam's end moves as the average of its patch), rigid (RBE2: the "
     "patch moves as the beam's end does), work (equations: forces do the same work on both sides)."
@@ -46,6 +50,21 @@ def mesh(
     size_of: Annotated[
         list[str] | None,
         typer.Option(metavar="NODE=SIZE", help="Size of one node or segment, as TOP=20; the deepest node wins."),
+    ] = None,
+    curve_size: Annotated[
+        list[str] | None,
+        typer.Option(metavar="CURVES=SIZE", help=f"Longest element along some curves, as HOLE=2. {CURVES_HELP}"),
+    ] = None,
+    seeds: Annotated[
+        list[str] | None,
+        typer.Option(metavar="CURVES=COUNT", help="Exactly so many elements on each of them, as TOP&LEG=8."),
+    ] = None,
+    growth: Annotated[
+        float | None, typer.Option(help="Most that an element may be longer than its neighbour, as 1.2.")
+    ] = None,
+    per_circle: Annotated[int | None, typer.Option(help="Fewest elements round a full circle.")] = None,
+    layers: Annotated[
+        int | None, typer.Option(help="Fewest elements through a brick and across the walls of its section.")
     ] = None,
     order: Annotated[int, typer.Option(help="1: corner nodes only, 2: mid-side nodes too.")] = 1,
     faces: Annotated[str, typer.Option(help="Shells of: quad, tri.")] = "quad",
@@ -76,7 +95,7 @@ def mesh(
     start = time.perf_counter()
     from app import pipeline
     from app.materialfile import with_material
-    from app.meshoptions import by_name, check_names, lengths, split_joints
+    from app.meshoptions import by_name, check_names, counts, lengths, split_joints
     from app.pipeline import units_of
     from app.progress import progress_bar
     from kernel.connect.build import MASSES
@@ -102,6 +121,11 @@ def mesh(
         faces=faces,
         volumes=volumes,
         sizes=lengths(size_of, "--size-of", "NODE=SIZE", "TOP=20"),
+        curve_sizes=lengths(curve_size, "--curve-size", "CURVES=SIZE", "HOLE=2"),
+        seeds=counts(seeds, "--seeds", "CURVES=COUNT", "TOP&LEG=8"),
+        growth=growth,
+        per_circle=per_circle,
+        layers=layers,
         tee=tee,
         joint_tees=tees,
     )

@@ -11,6 +11,7 @@ from typing import Any
 
 from kernel.csg.tree import CsgModel
 from kernel.errors import OptionError
+from kernel.mesh.curve_names import check_curve_names
 from kernel.mesh.options import TEES, MeshOptions
 from kernel.segment.addresses import check_addresses
 
@@ -41,6 +42,8 @@ def split_joints(said: Mapping[str, str]) -> tuple[dict[str, str], dict[str, str
 def check_names(options: MeshOptions, csg: CsgModel) -> None:
     """OptionError for what the model's text already shows to be of no node: said before anything is computed."""
     check_addresses(options.sizes, csg.root, "size")
+    check_curve_names(options.curve_sizes, csg.root, "curve size")
+    check_curve_names(options.seeds, csg.root, "seeds")
 
 
 def by_name(given: Sequence[str] | None, option: str, form: str, example: str) -> dict[str, str]:
@@ -58,10 +61,14 @@ def by_name(given: Sequence[str] | None, option: str, form: str, example: str) -
 
 def lengths(given: Sequence[str] | None, option: str, form: str, example: str) -> dict[str, float]:
     """NAME=LENGTH by name."""
-    return {
-        name: _number(text, option, name, float, "a number")
-        for name, text in by_name(given, option, form, example).items()
-    }
+    read = by_name(given, option, form, example)
+    return {name: _number(text, option, name, float, "a number") for name, text in read.items()}
+
+
+def counts(given: Sequence[str] | None, option: str, form: str, example: str) -> dict[str, int]:
+    """NAME=COUNT by name."""
+    read = by_name(given, option, form, example)
+    return {name: _number(text, option, name, int, "a whole number") for name, text in read.items()}
 
 
 def _number(text: str, option: str, name: str, kind: type, wanted: str) -> Any:

@@ -62,6 +62,15 @@ class MeshRequest(Schema):
     sizes: dict[str, float] = Field(
         default_factory=dict, description="sizes of single segments, by segment id, node path or name"
     )
+    curve_sizes: dict[str, float] = Field(
+        default_factory=dict, description="longest element along the curves that a node, a pair A&B or a point names"
+    )
+    seeds: dict[str, int] = Field(default_factory=dict, description="exact number of elements on each of such curves")
+    growth: float | None = Field(default=None, description="most that an element may be longer than its neighbour")
+    per_circle: int | None = Field(default=None, description="fewest elements round a full circle")
+    layers: int | None = Field(
+        default=None, description="fewest elements through a brick and across the walls of its section"
+    )
     order: Literal[1, 2] = 1
     faces: Literal["quad", "tri"] = "quad"
     volumes: Literal["auto", "hex", "tet"] = "auto"

@@ -59,7 +59,7 @@ def build_model(
     """
     if mass not in MASSES:
         raise OptionError(f"unknown mass {mass!r}, expected one of {', '.join(MASSES)}")
-    chosen = _materials(material, materials_of or {}, csg, units, assembly.segments)
+    chosen = _materials(material, materials_of or {}, csg, units, assembly.segments, evaluated)
     mesh = _in_frame(assembly.mesh, np.asarray(evaluated.frame, dtype=np.float64))
     by_joint = _by_joint(joint_couplings or {}, assembly)
     coupled = make_couplings(assembly.ties, mesh, mesh.nodes, coupling, assembly.sections, by_joint)
@@ -126,11 +126,16 @@ def _weighed(properties: Sequence[Property], segments: Sequence[Segment], mesh: 
 
 
 def _materials(
-    general: str | None, wanted: Mapping[str, str], csg: CsgModel, units: UnitSet, segments: Sequence[Segment]
+    general: str | None,
+    wanted: Mapping[str, str],
+    csg: CsgModel,
+    units: UnitSet,
+    segments: Sequence[Segment],
+    evaluated: Evaluated,
 ) -> dict[str, Material]:
     """The material of each segment, by id."""
     found = {address: choose_material(name, csg, units) for address, name in wanted.items()}
-    own = by_segment(found, csg.root, segments, "material")
+    own = by_segment(found, evaluated, segments, "material")
     result = {name: material for name, (material, _) in own.items()}
     others = [segment.id for segment in segments if segment.id not in own]
     if others:

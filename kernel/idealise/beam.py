@@ -8,8 +8,9 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from kernel.errors import MeshError
+from kernel.errors import MeshError, OptionError
 from kernel.idealise.section import SectionProperties, section_properties
+from kernel.mesh.shares import shared_out
 from kernel.segment.segments import BeamShape, Segment
 
 Array = NDArray[np.float64]
@@ -73,16 +74,30 @@ def make_beam(segment: Segment) -> Beam:
     )
 
 
-def divide(beam: Beam, size: float, tolerance: float) -> Array:
-    """Offsets (n,) of the beam's nodes: its stations, and between them even parts of about `size`."""
+def divide(beam: Beam, size: float, tolerance: float, count: int | None = None, most: float | None = None) -> Array:
+    """Offsets (n,) of the beam's nodes: its stations, and between them even parts of about `size`.
+
+    count: as many elements in all, as nearly alike as the stations let them be. OptionError: more are needed.
+    most: none longer than that.
+    """
     stations: list[float] = []
     for value in sorted(beam.stations):
         if not stations or value - stations[-1] > tolerance:
             stations.append(value)
     if len(stations) < 2:
         raise MeshError(f"{beam.segment.id} ({beam.segment.node}): a beam without length")
+    lengths = np.diff(stations)
+    counts = np.maximum(1, np.rint(lengths / size)).astype(np.int64)
+    if most is not None:
+        counts = np.maximum(1, np.ceil(lengths / most * (1 - 1e-9))).astype(np.int64)
+    if count is not None:
+        if count < len(lengths):
+            raise OptionError(
+                f"seeds of {beam.segment.id} ({beam.segment.node}): {count} asked for, but others meet it at "
+                f"{len(lengths) - 1} places between its ends: expected at least {len(lengths)}"
+            )
+        counts = shared_out(lengths, count)
     parts = []
-    for start, end in itertools.pairwise(stations):
-        count = max(1, round((end - start) / size))
-        parts.append(start + (end - start) * np.arange(count) / count)
+    for (start, end), own in zip(itertools.pairwise(stations), counts.tolist()):
+        parts.append(start + (end - start) * np.arange(own) / own)
     return np.concatenate([*parts, stations[-1:]])

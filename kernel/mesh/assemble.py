@@ -29,12 +29,14 @@ from kernel.mesh.arms import arm_rows, arm_ties, hung_curves
 from kernel.mesh.beam_ties import beam_stations
 from kernel.mesh.beams import mesh_beams
 from kernel.mesh.bricks import mesh_bricks
-from kernel.mesh.faces import CurvesByFace, FaceMesh, SeededCurve, curves_by_face, mesh_face, seed_curves
+from kernel.mesh.curve_choice import choose_curves
+from kernel.mesh.faces import CurvesByFace, FaceMesh, SeededCurve, curves_by_face, mesh_face, odd_seeds_note
 from kernel.mesh.mesh import ElementBlock, Mesh
 from kernel.mesh.meshed import Meshed
 from kernel.mesh.nodes import NodeTable
 from kernel.mesh.options import MeshOptions
 from kernel.mesh.second_order import raise_order
+from kernel.mesh.seeding import SeedRules, growth_rate, seed_curves
 from kernel.mesh.size_field import plan_sizes
 from kernel.mesh.ties import make_ties
 from kernel.segment.segments import Segment
@@ -67,7 +69,7 @@ def assemble(
     segments, where something cannot be done.
     """
     report = progress or _silent
-    planned = plan_sizes(segments, options, evaluated.model.root, evaluated.size)
+    planned = plan_sizes(segments, options, evaluated)
     sizes = planned.by_segment
     tee_of = tee_choice(options.tee, options.joint_tees, joints)
     parts = idealise(segments, joints, evaluated.size, options.volumes, tee_of)
@@ -77,6 +79,8 @@ def assemble(
     hangings = pair_vertices(parts.topology, parts.arms, parts.thickest()) if parts.arms else []
     pieces = parts.topology.curves()
     hung = hung_curves(parts.topology, pieces, hangings)
+    chosen = choose_curves(options, parts, pieces, evaluated)
+    growth = None if options.growth is None else growth_rate(options.growth)
     curves = seed_curves(
         parts.topology,
         pieces,
@@ -84,18 +88,19 @@ def assemble(
         {wall.index: sizes[wall.segment.id] for wall in parts.walls.values()},
         nodes,
         hung,
+        SeedRules(chosen.walls, growth, options.per_circle),
     )
     blocks: dict[str, list[ElementBlock]] = {segment.id: [] for segment in segments}
     by_face = curves_by_face(curves)
-    faces = _mesh_faces(parts, by_face, sizes, options.faces, nodes, report)
+    faces = _mesh_faces(parts, by_face, sizes, options.faces, growth, nodes, report)
     for name, face in faces.items():
         blocks[name] += _blocks(name, face)
-    bricks = mesh_bricks(parts, by_face, faces, sizes, options, nodes, evaluated.frame)
+    bricks = mesh_bricks(parts, by_face, faces, sizes, options, chosen, nodes, evaluated.frame)
     for name, brick in bricks.items():
         blocks[name] += brick.blocks
     for joint in parts.joints:
         beam_stations(parts, joint, sizes)
-    lines, seated = mesh_beams(parts, by_face, sizes, nodes)
+    lines, seated = mesh_beams(parts, by_face, sizes, chosen.beams, nodes)
     for name, block in lines.items():
         blocks[name].append(block)
     report("meshed", 0.9)
@@ -168,13 +173,16 @@ def _mesh_faces(
     by_face: CurvesByFace,
     sizes: dict[str, float],
     kind: str,
+    growth: float | None,
     nodes: NodeTable,
     report: Progress,
 ) -> dict[str, FaceMesh]:
     faces = {}
     for name, wall in parts.walls.items():
         label = f"{name} ({wall.segment.node})"
-        faces[name] = mesh_face(label, wall.index, wall.sheet, by_face[wall.index], sizes[name], kind, nodes)
+        own = by_face[wall.index]
+        face = faces[name] = mesh_face(label, wall.index, wall.sheet, own, sizes[name], kind, nodes, growth)
+        parts.warnings += odd_seeds_note(label, own, kind, len(face.triangles), "triangles")
         report(name, 0.2 + 0.6 * (wall.index + 1) / len(parts.walls))
     return faces
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,6 +14,7 @@ from kernel.idealise.parts import Parts
 from kernel.mesh.faces import CurvesByFace
 from kernel.mesh.mesh import ElementBlock
 from kernel.mesh.nodes import NodeTable
+from kernel.mesh.seeding import CurveWish
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -25,9 +27,12 @@ class SeatedNode:
 
 
 def mesh_beams(
-    parts: Parts, curves: CurvesByFace, sizes: dict[str, float], nodes: NodeTable
+    parts: Parts, curves: CurvesByFace, sizes: dict[str, float], wishes: Mapping[str, CurveWish], nodes: NodeTable
 ) -> tuple[dict[str, ElementBlock], dict[str, list[SeatedNode]]]:
-    """Line elements of every beam, and the nodes that sit on walls, both by segment id; sets the beams' nodes."""
+    """Line elements of every beam, and the nodes that sit on walls, both by segment id; sets the beams' nodes.
+
+    wishes: what is asked of axes, by segment id.
+    """
     blocks: dict[str, ElementBlock] = {}
     seated: dict[str, list[SeatedNode]] = {}
     for name, beam in parts.beams.items():
@@ -46,7 +51,8 @@ def mesh_beams(
                 if not low - slack < value < high + slack or beam.is_end(value, parts.topology.tolerance)
             ]
             beam.stations += [offset for _, _, offset in on_walls]
-        beam.offsets = divide(beam, sizes[name], 4 * parts.topology.tolerance)
+        wish = wishes.get(name, CurveWish())
+        beam.offsets = divide(beam, sizes[name], 4 * parts.topology.tolerance, wish.count, wish.size)
         beam.nodes = nodes.add(beam.origin + beam.offsets[:, None] * beam.direction)
         lines = np.stack([beam.nodes[:-1], beam.nodes[1:]], axis=1)
         blocks[name] = ElementBlock(name, "line2", lines, np.repeat(beam.orientation[None], len(lines), axis=0))

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -13,6 +14,7 @@ from kernel.errors import MeshError
 from kernel.idealise.brick import SweepGroup, SweptBrick
 from kernel.idealise.parts import Parts
 from kernel.idealise.walls import Wall
+from kernel.mesh.curve_choice import ChosenCurves
 from kernel.mesh.elements import ELEMENT_KINDS
 from kernel.mesh.faces import CurvesByFace, FaceMesh, curve_middles
 from kernel.mesh.mesh import ElementBlock
@@ -21,7 +23,8 @@ from kernel.mesh.nodes import NodeTable
 from kernel.mesh.options import MeshOptions
 from kernel.mesh.region import RegionMesh
 from kernel.mesh.section import UnfitSection, mesh_section
-from kernel.mesh.sweep import divide_levels, sweep
+from kernel.mesh.seeding import CurveWish, SeedRules, growth_rate
+from kernel.mesh.sweep import LevelWish, divide_levels, sweep
 from kernel.segment.segments import Segment
 
 Array = NDArray[np.float64]
@@ -49,6 +52,7 @@ def mesh_bricks(
     faces: dict[str, FaceMesh],
     sizes: dict[str, float],
     options: MeshOptions,
+    chosen: ChosenCurves,
     nodes: NodeTable,
     frame: Array,
 ) -> dict[str, BrickMesh]:
@@ -59,15 +63,18 @@ def mesh_bricks(
     """
     meshes: dict[str, BrickMesh] = {}
     why: dict[str, str] = {}
-    for group in parts.sweeps:
+    growth = None if options.growth is None else growth_rate(options.growth)
+    for number, group in enumerate(parts.sweeps):
         size = min(sizes[brick.segment.id] for brick in group.bricks)
+        rules = SeedRules(chosen.sections.get(number, {}), growth, options.per_circle, options.layers)
         try:
-            section = _section_of(parts, group, curves, faces, size, options.faces)
+            section = _section_of(parts, group, curves, faces, size, options.faces, rules)
         except MeshError as error:
             place = f" near {place_text(frame @ error.at)}" if isinstance(error, UnfitSection) else ""
             why.update({brick.segment.id: error.message + place for brick in group.bricks})
             continue
-        meshes.update(_sweep_group(group, section, size, nodes, frame))
+        wishes = _level_wishes(group, chosen.rises.get(number, {}), options.layers)
+        meshes.update(_sweep_group(group, section, size, wishes, nodes, frame))
     for name, segment in parts.segments.items():
         if segment.type == "brick" and name not in meshes and name not in parts.absorbed:
             reason = "asked for" if options.volumes == "tet" else why.get(name) or not_a_stack(segment, frame)
@@ -99,14 +106,21 @@ class _Section:
 
 
 def _section_of(
-    parts: Parts, group: SweepGroup, curves: CurvesByFace, faces: dict[str, FaceMesh], size: float, kind: str
+    parts: Parts,
+    group: SweepGroup,
+    curves: CurvesByFace,
+    faces: dict[str, FaceMesh],
+    size: float,
+    kind: str,
+    rules: SeedRules,
 ) -> _Section:
     """The group's own section, or the elements of the wall that it stands on."""
     if group.section is None:
         assert group.host is not None
         return _host_section(parts, group.host[0], curves, faces[group.host[0].segment.id])
     names = ", ".join(f"{brick.segment.id} ({brick.segment.node})" for brick in group.bricks)
-    own = mesh_section(names, group.section, group.sheet, size, kind)
+    own = mesh_section(names, group.section, group.sheet, size, kind, rules)
+    parts.warnings += own.notes
     cells = shapely.points([cell.inner_point for cell in group.section.cells])
     return _Section(own.mesh, np.empty(0, np.int64), own.edges, own.middles, cells[own.cell_of])
 
@@ -127,12 +141,33 @@ def _host_section(parts: Parts, wall: Wall, curves: CurvesByFace, face: FaceMesh
 # ---------------------------------------------------------------- sweeping
 
 
+def _level_wishes(
+    group: SweepGroup, rises: Mapping[tuple[float, float], CurveWish], layers: int | None
+) -> list[LevelWish]:
+    """What the user asks of the levels: by the edges along the sweep that he names, and by layers through a piece."""
+    wishes = []
+    for (start, end), wish in rises.items():
+        if wish.count is not None:
+            wishes.append(LevelWish(start, end, count=wish.count))
+        elif wish.size is not None:
+            wishes.append(LevelWish(start, end, least=math.ceil((end - start) / wish.size * (1 - 1e-9))))
+    if layers is not None:
+        pieces = [piece for brick in group.bricks for piece in brick.pieces]
+        wishes += [LevelWish(piece.start, piece.end, least=layers) for piece in pieces]
+    return wishes
+
+
 def _sweep_group(
-    group: SweepGroup, section: _Section, size: float, nodes: NodeTable, frame: Array
+    group: SweepGroup,
+    section: _Section,
+    size: float,
+    wishes: Sequence[LevelWish],
+    nodes: NodeTable,
+    frame: Array,
 ) -> dict[str, BrickMesh]:
     """The bricks of a group; where they stand on one another they share nodes."""
     pieces = [piece for brick in group.bricks for piece in brick.pieces]
-    levels = divide_levels([value for piece in pieces for value in (piece.start, piece.end)], size)
+    levels = divide_levels([value for piece in pieces for value in (piece.start, piece.end)], size, wishes)
     mesh = section.mesh
     elements = [*mesh.quads, *mesh.triangles]
     layer = 0.5 * (levels[:-1] + levels[1:])

@@ -7,6 +7,7 @@ divided so that each element takes its share of the integral of 1 / size.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -21,6 +22,8 @@ LEAST = 1 / 40
 """But never shorter than this share of the size asked for: narrower gaps get stretched elements."""
 GROWTH = 0.25
 """Growth of the size per unit of length along a curve."""
+ROUNDING = 1e-6
+"""A whole number of elements that is exceeded by less than this is still enough."""
 SAMPLES_PER_SIZE = 4
 """How densely a curve should be sampled."""
 
@@ -47,8 +50,13 @@ class SampledCurve:
         return np.concatenate([[0.0], np.cumsum(steps)])
 
 
-def gap_sizes(curves: Sequence[SampledCurve], period: float | None = None) -> list[NDArray[np.float64]]:
-    """Wanted size at each curve's samples, (n,) each. period: of the first coordinate, on unrolled cylinders."""
+def gap_sizes(
+    curves: Sequence[SampledCurve], period: float | None = None, growth: float = GROWTH, per_gap: float = PER_GAP
+) -> list[NDArray[np.float64]]:
+    """Wanted size at each curve's samples, (n,) each. period: of the first coordinate, on unrolled cylinders.
+
+    growth: of the size per unit of length; per_gap: largest share of a gap that an element may have.
+    """
     points = np.concatenate([curve.points for curve in curves])
     along = np.concatenate([curve.along for curve in curves])
     counts = np.array([len(curve.points) for curve in curves])
@@ -61,7 +69,7 @@ def gap_sizes(curves: Sequence[SampledCurve], period: float | None = None) -> li
     length = np.array([curve.along[-1] for curve in curves])
     is_boundary = np.array([curve.is_boundary for curve in curves], np.uint8)
     size = np.repeat(np.array([curve.size for curve in curves], np.float64), counts)
-    reach = float(size.max()) / PER_GAP
+    reach = float(size.max()) / per_gap
     gap = gaps_between(
         points,
         start,
@@ -75,17 +83,24 @@ def gap_sizes(curves: Sequence[SampledCurve], period: float | None = None) -> li
         reach,
         float(period or 0.0),
     )
-    sizes = np.minimum(size, np.maximum(PER_GAP * gap, LEAST * size))
-    grade_across(points, sizes, reach / 4, GROWTH)
-    grade_along(sizes, along, curve_of, first, last, len(names), GROWTH)
+    sizes = np.minimum(size, np.maximum(per_gap * gap, LEAST * size))
+    grade_across(points, sizes, float(size.max()) / PER_GAP / 4, growth)
+    grade_along(sizes, along, curve_of, first, last, len(names), growth)
     return np.split(sizes, np.cumsum(counts)[:-1])
 
 
-def divide(along: NDArray[np.float64], sizes: NDArray[np.float64], least: int, is_even: bool) -> NDArray[np.float64]:
-    """Arc lengths of the seeds between the curve's ends. along, sizes: (n,) at its samples; least: fewest elements."""
+def divide(
+    along: NDArray[np.float64], sizes: NDArray[np.float64], least: int, is_even: bool, is_bound: bool = False
+) -> NDArray[np.float64]:
+    """Arc lengths of the seeds between the curve's ends. along, sizes: (n,) at its samples; least: fewest elements.
+
+    is_bound: no element is longer than the size there; else the number that is nearest to it is taken.
+    """
     step = np.diff(along)
     elements = np.concatenate([[0.0], np.cumsum(step * 0.5 * (1 / sizes[1:] + 1 / sizes[:-1]))])
-    count = max(least, 2 * round(elements[-1] / 2) if is_even else round(elements[-1]), 1)
+    unit = 2 if is_even else 1
+    wanted = math.ceil(elements[-1] / unit - ROUNDING) if is_bound else round(elements[-1] / unit)
+    count = max(least, unit * wanted, 1)
     if is_even:
         count += count % 2
     inner = elements[-1] * np.arange(1, count) / count

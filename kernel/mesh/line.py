@@ -24,8 +24,10 @@ MUCH_SMALLER = 0.5
 """A circle is that when its diameter is under this share of the size."""
 
 
-def least_divisions(carrier: Carrier, length: float, size: float) -> int:
+def least_divisions(carrier: Carrier, length: float, size: float, per_circle: int | None = None) -> int:
     """Into how many elements a piece of `length` of the carrier is divided at least: enough to show its bend.
+
+    per_circle: elements round a full circle, instead of what its diameter and the size suggest.
 
     Two, so that quads alone can fill the faces beside it.
     """
@@ -39,7 +41,8 @@ def least_divisions(carrier: Carrier, length: float, size: float) -> int:
     else:
         return 2
     per_turn = LEAST_PER_TURN if diameter < MUCH_SMALLER * size else PER_TURN
-    wanted = (LARGE_PER_TURN if diameter > LARGE * size else per_turn) * turn
+    usual = LARGE_PER_TURN if diameter > LARGE * size else per_turn
+    wanted = (per_circle or usual) * turn
     return max(2, 2 * math.ceil(wanted / 2 - 1e-6))
 
 

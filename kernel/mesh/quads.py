@@ -13,7 +13,7 @@ from kernel.errors import MeshError
 from kernel.mesh.constrained import Edges, constrained, edges_of
 from kernel.mesh.cross import dominant_cross, grow, growth_order
 from kernel.mesh.mixed import mixed_mesh
-from kernel.mesh.region import Region, RegionMesh
+from kernel.mesh.region import OddCurveError, Region, RegionMesh
 from kernel.mesh.repair import repaired
 from kernel.mesh.smoothing import smooth_and_mend
 from kernel.mesh.triangles import compact
@@ -42,7 +42,7 @@ def coarse_edges(
     coarse, odd = pair_edges(points, *edges.arrays, given, *cross[:2])
     if odd >= 0:
         x, y = points[edges.start[odd]]
-        raise MeshError(
+        raise OddCurveError(
             f"the curve through ({x:.6g}, {y:.6g}) is divided into an odd number of edges; all quads need an even one"
         )
     return coarse

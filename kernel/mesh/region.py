@@ -7,6 +7,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from kernel.errors import MeshError
+
+
+class OddCurveError(MeshError):
+    """A chain of curves has an odd number of edges, on which no all-quad mesh can be made."""
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Region:

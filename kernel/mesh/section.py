@@ -16,6 +16,7 @@ too fine or too coarse for the other.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
@@ -28,10 +29,11 @@ from kernel.idealise.carriers import Circle
 from kernel.idealise.sheets import PlaneSheet
 from kernel.idealise.topology import IMPRINT, Curve, Topology, Use
 from kernel.mesh.elements import ELEMENT_KINDS
-from kernel.mesh.faces import FaceMesh, SeededCurve, curve_middles, curves_by_face, mesh_face, seed_curves
+from kernel.mesh.faces import FaceMesh, SeededCurve, curve_middles, curves_by_face, mesh_face, odd_seeds_note
 from kernel.mesh.nodes import NodeTable
 from kernel.mesh.quality import scaled_jacobian
 from kernel.mesh.region import RegionMesh
+from kernel.mesh.seeding import SeedRules, seed_curves
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
@@ -62,35 +64,50 @@ class UnfitSection(MeshError):
 class MeshedSection:
     """A section in its sheet's frame. cell_of: (n_quad + n_triangle,) the cell of each element, quads first.
 
-    edges: (e, 2) points on curves that are not straight, middles: (e, 3) places amid them, on the sheet.
+    edges: (e, 2) points on curves that are not straight, middles: (e, 3) places amid them, on the sheet. notes: for
+    the user, one line each.
     """
 
     mesh: RegionMesh
     cell_of: Indices
     edges: Indices
     middles: Array
+    notes: tuple[str, ...] = ()
 
 
-def mesh_section(name: str, section: OwnSection, sheet: PlaneSheet, size: float, faces: str) -> MeshedSection:
+def mesh_section(
+    name: str, section: OwnSection, sheet: PlaneSheet, size: float, faces: str, rules: SeedRules | None = None
+) -> MeshedSection:
     """All cells meshed with elements of about `size`. name: of the bricks, for errors. faces: "quad" or "tri".
+
+    rules: what the user asks beyond that, wishes by the place in the section's list of curves.
 
     MeshError: a cell cannot be meshed; UnfitSection: it can, but badly.
     """
     nodes = NodeTable()  # the section's own: they stay out of the model
-    curves = _seeded(section, sheet, size, nodes)
+    rules = rules or SeedRules()
+    curves = _seeded(section, sheet, size, nodes, rules)
     by_cell = curves_by_face(curves)
-    meshes = [
-        mesh_face(name, cell, sheet, by_cell.get(cell, []), size, faces, nodes) for cell in range(len(section.cells))
-    ]
-    meshed = _joined(meshes, sheet, nodes.points, curve_middles(section.topology, curves))
+    growth = rules.rate if rules.spreads else None
+    meshes = []
+    for cell in range(len(section.cells)):
+        own = by_cell.get(cell, [])
+        across = size if rules.layers is None else min(size, _longest_edge(own, nodes.points))
+        meshes.append(mesh_face(name, cell, sheet, own, across, faces, nodes, growth))
+    notes = odd_seeds_note(name, curves, faces, sum(len(mesh.triangles) for mesh in meshes), "columns of wedges")
+    meshed = _joined(meshes, sheet, nodes.points, curve_middles(section.topology, curves), notes)
     asked = sum(cell.polygon.area for cell in section.cells) / size**2
     asked += sum(curve.length for curve in section.curves) / size
-    _refuse_unfit(meshed.mesh, sheet, size, asked)
+    _refuse_unfit(meshed.mesh, sheet, size, math.inf if rules.spreads else asked)
     return meshed
 
 
+def _longest_edge(curves: Sequence[SeededCurve], points: Array) -> float:
+    return max(float(np.linalg.norm(np.diff(points[seeded.nodes], axis=0), axis=1).max()) for seeded in curves)
+
+
 def _refuse_unfit(mesh: RegionMesh, sheet: PlaneSheet, size: float, asked: float) -> None:
-    """UnfitSection where elements are bad, or many more than the size asks for."""
+    """UnfitSection where elements are bad, or many more than the size asks for. asked: infinite for as many as come."""
     elements = [*mesh.quads, *mesh.triangles]
     if len(elements) > MOST_EXCESS * (asked + 100):
         areas = [np.abs(_doubled_area(mesh.points[element])) for element in elements]
@@ -115,7 +132,11 @@ def _doubled_area(points: Array) -> float:
 
 
 def _joined(
-    meshes: Sequence[FaceMesh], sheet: PlaneSheet, points: Array, middles: tuple[Indices, Array]
+    meshes: Sequence[FaceMesh],
+    sheet: PlaneSheet,
+    points: Array,
+    middles: tuple[Indices, Array],
+    notes: Sequence[str],
 ) -> MeshedSection:
     used = np.unique(np.concatenate([mesh.nodes for mesh in meshes]))
     quads, triangles = ([getattr(mesh, kind) for mesh in meshes] for kind in ("quads", "triangles"))
@@ -123,14 +144,16 @@ def _joined(
     cell_of = np.concatenate([np.repeat(cells, [len(block) for block in blocks]) for blocks in (quads, triangles)])
     numbered = (np.searchsorted(used, np.concatenate(blocks)) for blocks in (quads, triangles))
     mesh = RegionMesh(sheet.flat(points[used]), *numbered)
-    return MeshedSection(mesh, cell_of, np.searchsorted(used, middles[0]), middles[1])
+    return MeshedSection(mesh, cell_of, np.searchsorted(used, middles[0]), middles[1], tuple(notes))
 
 
 # ---------------------------------------------------------------- seeds
 
 
-def _seeded(section: OwnSection, sheet: PlaneSheet, size: float, nodes: NodeTable) -> list[SeededCurve]:
-    """The curves divided; those on the two circles of a tied ring alike."""
+def _seeded(
+    section: OwnSection, sheet: PlaneSheet, size: float, nodes: NodeTable, rules: SeedRules
+) -> list[SeededCurve]:
+    """The curves divided; those on the two circles of a tied ring alike, but for counts that the user asks for."""
     topology, curves = section.topology, section.curves
     tied = _tied_rings(topology, curves)
     rings = {ring.cell for ring in tied}
@@ -140,14 +163,16 @@ def _seeded(section: OwnSection, sheet: PlaneSheet, size: float, nodes: NodeTabl
         uses = {cell: use for cell, use in curve.uses.items() if cell not in rings}
         plain.append(replace(curve, uses=uses or {alone: Use(IMPRINT, True)}))
     numbers = (*range(len(section.cells)), *free)
-    seeded = seed_curves(topology, plain, dict.fromkeys(numbers, sheet), dict.fromkeys(numbers, size), nodes)
+    seeded = seed_curves(
+        topology, plain, dict.fromkeys(numbers, sheet), dict.fromkeys(numbers, size), nodes, rules=rules
+    )
     seeded = [replace(own, curve=curve) for own, curve in zip(seeded, curves, strict=True)]
     for group in _groups(tied):
         by_angle = [[place for place, curve in enumerate(curves) if curve.carrier == carrier] for carrier in group]
         for alike in zip(*by_angle, strict=True):
             finest = max(alike, key=lambda place: len(seeded[place].nodes))
             for place in alike:
-                if place != finest:
+                if place != finest and (place not in rules.wishes or rules.wishes[place].count is None):
                     seeded[place] = _divided_like(topology, seeded[place], seeded[finest], nodes)
     return seeded
 

@@ -5,14 +5,17 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from kernel.csg.tree import CsgNode
 from kernel.errors import OptionError
 from kernel.mesh.options import MeshOptions
 from kernel.segment.addresses import by_segment
 from kernel.segment.segments import BeamShape, BrickShape, CylinderShape, PlateShape, Segment
+
+if TYPE_CHECKING:
+    from kernel.solid.evaluate import Evaluated
 
 PER_WIDTH = 10.0
 """Elements across the median width of the segments."""
@@ -47,23 +50,22 @@ class Sizes:
     warnings: tuple[str, ...] = ()
 
 
-def plan_sizes(segments: Sequence[Segment], options: MeshOptions, root: CsgNode, model_size: float) -> Sizes:
+def plan_sizes(segments: Sequence[Segment], options: MeshOptions, evaluated: Evaluated) -> Sizes:
     """The size of every segment: asked for by id, node path or name, else the model's; no larger than the segment.
 
-    root: of the CSG tree, in which nodes are addressed. model_size: length. OptionError: a size of nothing, or one
-    that would give more than MOST_ASKED elements.
+    OptionError: a size of nothing, or one that would give more than MOST_ASKED elements.
     """
     if options.size is not None:
         size, because = options.size, "as asked"
     else:
-        size, because = automatic_size(segments, model_size)
-    own = by_segment(options.sizes, root, segments, "size")
+        size, because = automatic_size(segments, evaluated.size)
+    own = by_segment(options.sizes, evaluated, segments, "size")
     sizes: dict[str, float] = {}
     reasons: dict[str, str] = {}
     warnings = []
     for segment in segments:
         asked, address = own.get(segment.id, (size, ""))
-        largest, limit = _largest(segment)
+        largest, limit = _largest(segment, options.per_circle or PER_TURN)
         sizes[segment.id] = min(asked, largest)
         if address:
             reasons[segment.id] = f"asked for {address}"
@@ -77,13 +79,13 @@ def plan_sizes(segments: Sequence[Segment], options: MeshOptions, root: CsgNode,
     return Sizes(size, because, sizes, reasons, tuple(warnings))
 
 
-def _largest(segment: Segment) -> tuple[float, str]:
+def _largest(segment: Segment, per_turn: int) -> tuple[float, str]:
     """The largest size that a segment can have, and why."""
     extent = float((segment.solid.bounds[1] - segment.solid.bounds[0]).max())
     if not isinstance(segment.shape, CylinderShape):
         return extent, "its largest extent"
-    around = 2 * math.pi * segment.shape.mid_radius / PER_TURN
-    return min((around, f"{PER_TURN} elements round its circle"), (extent, "its largest extent"))
+    around = 2 * math.pi * segment.shape.mid_radius / per_turn
+    return min((around, f"{per_turn} elements round its circle"), (extent, "its largest extent"))
 
 
 def _refuse_too_many(segments: Sequence[Segment], sizes: dict[str, float]) -> None:

@@ -9,14 +9,16 @@ volumes are positive.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 
-from kernel.errors import MeshError
+from kernel.errors import MeshError, OptionError
 from kernel.mesh.region import RegionMesh
 from kernel.mesh.shapes import corner_rule, jacobians, measures
+from kernel.mesh.shares import shared_out
 
 Lift = Callable[[NDArray[np.float64], float], NDArray[np.float64]]
 """(points (n, 2), level) -> places (n, 3)."""
@@ -66,8 +68,23 @@ def sweep(
     return nodes, hexes, wedges
 
 
-def divide_levels(breaks: Sequence[float] | NDArray[np.float64], size: float) -> NDArray[np.float64]:
-    """(n_level,) increasing levels that hold every break, with even steps of about `size` between two breaks."""
+@dataclass(frozen=True, slots=True)
+class LevelWish:
+    """Between start and end: `count` steps exactly, or at least `least`."""
+
+    start: float
+    end: float
+    count: int | None = None
+    least: int = 1
+
+
+def divide_levels(
+    breaks: Sequence[float] | NDArray[np.float64], size: float, wishes: Sequence[LevelWish] = ()
+) -> NDArray[np.float64]:
+    """(n_level,) increasing levels that hold every break, with even steps of about `size` between two breaks.
+
+    wishes: for stretches between breaks; OptionError where one cannot be had.
+    """
     ordered = np.unique(np.asarray(breaks, dtype=np.float64))
     if len(ordered) < 2 or not size > 0.0:
         raise MeshError(
@@ -75,10 +92,33 @@ def divide_levels(breaks: Sequence[float] | NDArray[np.float64], size: float) ->
         )
     apart = np.append(True, np.diff(ordered) > _SAME_LEVEL * (ordered[-1] - ordered[0]))
     ordered = ordered[apart]
-    steps = [
-        np.linspace(start, end, max(1, round((end - start) / size)), endpoint=False) for start, end in pairwise(ordered)
-    ]
+    counts = _counts(np.diff(ordered), size, ordered, wishes)
+    steps = [np.linspace(start, end, n, endpoint=False) for (start, end), n in zip(pairwise(ordered), counts)]
     return np.concatenate([*steps, ordered[-1:]])
+
+
+def _counts(
+    lengths: NDArray[np.float64], size: float, ordered: NDArray[np.float64], wishes: Sequence[LevelWish]
+) -> list[int]:
+    counts = np.maximum(1, np.rint(lengths / size)).astype(np.int64)
+    slack = _SAME_LEVEL * (ordered[-1] - ordered[0])
+    fixed = np.zeros(len(counts), dtype=bool)
+    for wish in sorted(wishes, key=lambda wish: wish.count is None):
+        inside = (ordered[:-1] >= wish.start - slack) & (ordered[1:] <= wish.end + slack)
+        held = int(counts[inside].sum())
+        if wish.count is None:
+            free = inside & ~fixed
+            if held < wish.least and free.any():
+                counts[free] = np.ceil(lengths[free] / (wish.end - wish.start) * wish.least - _SAME_LEVEL)
+            continue
+        if wish.count < inside.sum() or (fixed[inside].any() and held != wish.count):
+            raise OptionError(
+                f"seeds of an edge along a sweep: {wish.count} elements are asked for between levels that need "
+                f"{held if fixed[inside].any() else int(inside.sum())}: others that stand beside it end there"
+            )
+        counts[inside] = shared_out(lengths[inside], wish.count)
+        fixed |= inside
+    return [int(count) for count in counts]
 
 
 def compacted(

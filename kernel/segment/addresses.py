@@ -4,13 +4,19 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Mapping, Sequence
-from typing import TypeVar
+from typing import TYPE_CHECKING, TypeVar
 
 from kernel.csg.tree import CsgNode, find
 from kernel.errors import OptionError, OverrideError
 from kernel.segment.segments import Segment
 
+if TYPE_CHECKING:
+    from kernel.solid.evaluate import Evaluated
+
 Value = TypeVar("Value")
+
+MOST = 0.5
+"""A segment of a node is one of a node within that too where more than this share of its volume lies in its solid."""
 
 _SEGMENT_ID = re.compile(r"s[1-9]\d*")
 
@@ -26,7 +32,7 @@ def depth(path: str) -> int:
 
 
 def by_segment(
-    wanted: Mapping[str, Value], root: CsgNode, segments: Sequence[Segment], what: str
+    wanted: Mapping[str, Value], evaluated: Evaluated, segments: Sequence[Segment], what: str
 ) -> dict[str, tuple[Value, str]]:
     """(value, the address that gave it) by segment id, for the segments that an address of `wanted` is about.
 
@@ -36,44 +42,62 @@ def by_segment(
     """
     ids = [segment.id for segment in segments]
     paths: dict[str, str] = {}
+    of_path: dict[str, list[str]] = {}
     for address in wanted:
         if address in ids:
             continue
-        path = path_of(address, root, what, ids)
+        path, node = node_of(address, evaluated.model.root, f"{what} of {address!r}", ids)
         if path in paths:
             raise OptionError(f"{what} of {paths[path]!r} and of {address!r}: both are node {path}, expected one")
         paths[path] = address
-    for path, address in paths.items():
-        if not any(is_under(segment.node, path) for segment in segments):
-            own = ", ".join(dict.fromkeys(_node_of(segment) for segment in segments))
+        of_path[path] = segments_of(path, node, evaluated, segments)
+        if not of_path[path]:
+            own = ", ".join(dict.fromkeys(segment.name or segment.node for segment in segments))
             raise OptionError(
                 f"{what} of {address!r}: node {path} has no segments of its own, expected a node that is meshed "
                 f"({own}), or a segment"
             )
     found: dict[str, tuple[Value, str]] = {}
-    for segment in segments:
-        above = [path for path in paths if is_under(segment.node, path)]
-        address = segment.id if segment.id in wanted else paths[max(above, key=depth)] if above else ""
+    for name in ids:
+        about = [path for path in paths if name in of_path[path]]
+        address = name if name in wanted else paths[max(about, key=depth)] if about else ""
         if address:
-            found[segment.id] = (wanted[address], address)
+            found[name] = (wanted[address], address)
     return found
 
 
-def path_of(address: str, root: CsgNode, what: str, ids: Sequence[str] = ()) -> str:
-    """The canonical path of the node that the address means. OptionError, naming what is expected, where it is none."""
+def segments_of(path: str, node: CsgNode, evaluated: Evaluated, segments: Sequence[Segment]) -> list[str]:
+    """Ids of the segments at or under a node; and of those of a node above it, by which most of it is filled.
+
+    The plates of an angle with holes are segments of the difference, since no operand of it is meshed by itself; each
+    lies in the block that it comes from all the same.
+    """
+    from kernel.solid.solid import intersect  # not needed where all names are segments' own
+
+    found = []
+    for segment in segments:
+        if is_under(segment.node, path):
+            found.append(segment.id)
+        elif is_under(path, segment.node):
+            solid = evaluated.solid_of(node)
+            (low, high), (own_low, own_high) = solid.bounds, segment.solid.bounds
+            if (own_low < high).all() and (low < own_high).all():
+                if intersect([segment.solid, solid]).volume > MOST * segment.solid.volume:
+                    found.append(segment.id)
+    return found
+
+
+def node_of(address: str, root: CsgNode, what: str, ids: Sequence[str] = ()) -> tuple[str, CsgNode]:
+    """The (path, node) that the address means. OptionError, naming what is expected, where it is none."""
     try:
-        return find(root, address)[0]
+        return find(root, address)
     except OverrideError as error:
         segments = f", or a segment from {ids[0]} to {ids[-1]}" if ids and _SEGMENT_ID.fullmatch(address) else ""
-        raise OptionError(f"{what} of {address!r}: {error.message}{segments}") from error
+        raise OptionError(f"{what}: {error.message}{segments}") from error
 
 
 def check_addresses(addresses: Iterable[str], root: CsgNode, what: str) -> None:
     """OptionError for an address that the model's text already shows to be of nothing; ids of segments come later."""
     for address in addresses:
         if not _SEGMENT_ID.fullmatch(address):
-            path_of(address, root, what)
-
-
-def _node_of(segment: Segment) -> str:
-    return segment.name or segment.node
+            node_of(address, root, f"{what} of {address!r}")

@@ -11,8 +11,7 @@ from kernel.mesh.size_field import PER_TURN, Sizes, plan_sizes
 
 def planned(text: str, **options) -> Sizes:
     classified = classify(read_model(text, "model.csg"))
-    segments, evaluated = classified.partition.segments, classified.evaluated
-    return plan_sizes(segments, MeshOptions(**options), evaluated.model.root, evaluated.size)
+    return plan_sizes(classified.partition.segments, MeshOptions(**options), classified.evaluated)
 
 
 PLATE = "A = BLO(200, 100, 5)\n"
@@ -59,7 +58,7 @@ def test_a_segment_has_a_size_of_its_own_by_id_path_or_name():
 
 
 def test_of_nodes_the_deepest_gives_the_size_and_a_segments_id_wins_over_nodes():
-    by_name = dict(planned(TABLE, size=50.0, sizes={"/": 40, "LEGS": 30, "LEG2": 20}).by_segment)
+    by_name = planned(TABLE, size=50.0, sizes={"/": 40, "LEGS": 30, "LEG2": 20}).by_segment
     assert sorted(by_name.values()) == [20, 30, 40]
     (leg,) = [segment for segment, size in by_name.items() if size == 20]
     assert planned(TABLE, sizes={"LEG2": 20, leg: 10}).by_segment[leg] == 10
@@ -79,6 +78,14 @@ def test_of_nodes_the_deepest_gives_the_size_and_a_segments_id_wins_over_nodes()
 def test_a_size_of_nothing_is_refused_with_what_was_expected(sizes, complaint):
     with pytest.raises(OptionError, match=complaint):
         planned(TABLE, sizes=sizes)
+
+
+def test_a_block_of_a_solid_with_holes_means_the_wall_that_fills_it():
+    angle = "B = BLO(160, 100, 10)\nW = BLO(10, 100, 140)\nH = CYL(R=9, H=30) AT (MOVX=80, MOVY=50, MOVZ=-2)\n"
+    sizes = planned(angle + "A = (B UN W) DIF H\n", size=20.0, sizes={"/": 15.0, "B": 5.0})
+    assert sorted(sizes.by_segment.values()) == [5.0, 15.0]
+    (base,) = [segment for segment, reason in sizes.reasons.items() if reason == "asked for B"]
+    assert sizes.by_segment[base] == 5.0
 
 
 def test_a_size_of_a_hole_has_no_segment_to_be_the_size_of():
