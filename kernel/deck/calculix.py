@@ -49,6 +49,9 @@ _TYPES = {
 KNOT_LENGTH = 1e-3
 """Length of a knot's beam, of the model's size."""
 
+WORTH_A_NOTE = 0.01
+"""A beam that ccx makes stiffer than this is named in the deck's head."""
+
 
 def write(model: Model) -> bytes:
     """The deck, complete but for supports, loads and steps; DeckError for a beam section that ccx does not know."""
@@ -84,6 +87,7 @@ def _deck(model: Model) -> list[str]:
         lines += comment_lines(
             ["note: ccx makes wedges of triangles (S3), too stiff in bending: quads or order 2 are better"]
         )
+    lines += comment_lines(list(_notes_on_beams(model, parts)))
     lines += ["*NODE, NSET=NALL", *node_lines(model.mesh.nodes)]
     n_node = model.mesh.n_node
     for part in parts:
@@ -107,6 +111,32 @@ def _deck(model: Model) -> list[str]:
         lines += _section(part, names[(part.element.material, part.element.density_factor)])
     lines += _couplings(model, n_node)
     return lines
+
+
+def _notes_on_beams(model: Model, parts: Sequence[Group]) -> Iterator[str]:
+    """A line for each beam that comes out noticeably stiff: ccx's beams are bricks inside, sheared over all their area.
+
+    A hollow section's true shear area is its webs'. The share is that of a cantilever's tip deflection,
+    F L^3 / 3 E I + F L / G A_s, the direction in which it is larger.
+    """
+    for part in parts:
+        section = part.element.section
+        if section is None:
+            continue
+        ends = model.mesh.nodes[part.block.connectivity[part.rows, :2].ravel()]
+        length = float(np.linalg.norm(np.ptp(ends, axis=0)))
+        material = model.materials[part.element.material]
+        shear_modulus = material.elastic_modulus / 2 / (1 + material.poisson_ratio)
+        stiffer = 0.0
+        for second, area in ((section.iyy, section.shear_area_z), (section.izz, section.shear_area_y)):
+            shear = length / (shear_modulus * area)
+            tip = length**3 / (3 * material.elastic_modulus * second) + shear
+            stiffer = max(stiffer, shear * (1 - area / section.area) / tip)
+        if stiffer > WORTH_A_NOTE:
+            yield (
+                f"note: {part.element.segment} is {stiffer:.1%} too stiff as a cantilever, for ccx shears beams over "
+                "their whole area: plates or bricks are better"
+            )
 
 
 def _type(part: Group) -> str:
