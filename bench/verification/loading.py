@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from kernel.connect.couplings import nodes_with_rotations
-from kernel.connect.model import Model
+from kernel.connect.model import Model, Rbe2
 from kernel.deck import calculix, nastran
 from kernel.deck.keywords import real
 from kernel.deck.numbers import fixed_field
@@ -41,7 +41,9 @@ def at(axis: int, value: float, tolerance: float = 1e-6) -> Pick:
 
 
 def held_at(model: Model, pick: Pick, components: str = "123456") -> dict[int, str]:
-    return dict.fromkeys(nodes_where(model, pick), components)
+    """Nodes that follow others by a coupling are held by those: solvers refuse supports on them."""
+    following = {int(node) for coupling in model.couplings if isinstance(coupling, Rbe2) for node in coupling.dependent}
+    return {node: components for node in nodes_where(model, pick) if node not in following}
 
 
 def weights(model: Model, pick: Pick) -> dict[int, float]:
