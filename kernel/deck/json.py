@@ -1,5 +1,6 @@
 """The whole model as JSON, for programs: every value of `kernel.connect.model.Model`, numbers exact, indices from 0.
 
+kernel/deck/jsonread.py reads it back without loss: it is the form in which meshes are merged, connected and edited.
 `nodes`: [x, y, z] in the user's frame. `blocks`: elements by segment and kind, node orders as in
 kernel/mesh/elements.py. `couplings`: objects with `kind` rbe2, rbe3 or mpc; components 1-6.
 """
@@ -15,6 +16,8 @@ from kernel.deck.deck import DeckFormat, register
 from kernel.deck.header import header_lines
 
 if TYPE_CHECKING:
+    from shapely import MultiPolygon, Polygon
+
     from kernel.connect.model import Model
 
 VERSION = 1
@@ -47,6 +50,7 @@ def write(model: Model) -> bytes:
             {"name": named.name, "nodes": named.nodes.tolist(), "elements": named.elements.tolist()}
             for named in model.sets
         ],
+        "notes": list(model.notes),
     }
     lines = ",\n".join(f"{json.dumps(key)}: {json.dumps(value, allow_nan=False)}" for key, value in members.items())
     return f"{{\n{lines}\n}}\n".encode()
@@ -70,11 +74,21 @@ def _property(element: Property) -> dict[str, Any]:
             "izz": section.izz,
             "iyz": section.iyz,
             "j": section.j,
+            "centroid": list(section.centroid),
             "shear_centre": list(section.shear_centre),
             "shear_area_y": section.shear_area_y,
             "shear_area_z": section.shear_area_z,
+            "outline": _rings(section.outline),
         },
     }
+
+
+def _rings(outline: Polygon | MultiPolygon) -> list[list[list[list[float]]]]:
+    """Of each polygon its rings, the outer one first, each a closed list of (y, z)."""
+    return [
+        [[[float(y), float(z)] for y, z, *_ in ring.coords] for ring in (part.exterior, *part.interiors)]
+        for part in getattr(outline, "geoms", [outline])
+    ]
 
 
 def _coupling(coupling: Coupling) -> dict[str, Any]:
