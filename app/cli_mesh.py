@@ -82,7 +82,16 @@ def mesh(
     tee: Annotated[str, typer.Option(help=TEE_HELP)] = "extend",
     joint: Annotated[
         list[str] | None,
-        typer.Option(metavar="JOINT=HOW", help="Coupling or tee of one joint, as j3=rigid or j4=arms."),
+        typer.Option(
+            metavar="JOINT=HOW",
+            help="Coupling or tee of one joint, as j3=rigid or j4=arms; j5=apart for no joint at all.",
+        ),
+    ] = None,
+    apart: Annotated[
+        bool, typer.Option("--apart", help="Mesh every segment apart: nothing is shared or coupled (see connect).")
+    ] = False,
+    only: Annotated[
+        list[str] | None, typer.Option(metavar="NODE", help="Mesh this node or segment alone; may be repeated.")
     ] = None,
     mass: Annotated[str, typer.Option(help="plain: densities as given; exact: scaled to the solid's mass.")] = "plain",
     report: Annotated[str | None, typer.Option(metavar="FILE.html", help="Write a report with pictures too.")] = None,
@@ -143,6 +152,8 @@ def mesh(
             joint_couplings=couplings,
             materials_of=by_name(material_of, "--material-of", "NODE=NAME", "TOP=aluminium"),
             mass=mass,
+            apart=apart,
+            only=only or (),
             progress=progress,
         )
         if not unchecked:

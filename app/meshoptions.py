@@ -27,14 +27,18 @@ def asked(given: object) -> dict[str, Any]:
 
 
 def split_joints(said: Mapping[str, str]) -> tuple[dict[str, str], dict[str, str]]:
-    """What was said of single joints, by id: couplings, and ways to make a tee. OptionError: neither of these."""
+    """What was said of single joints, by id: couplings ("apart" for none), and ways to make a tee.
+
+    OptionError: neither of these.
+    """
+    from app.pipeline import APART
     from kernel.connect.couplings import COUPLINGS
 
     couplings = {joint: value for joint, value in said.items() if value not in TEES}
     for value in couplings.values():
-        if value not in COUPLINGS:
+        if value not in (*COUPLINGS, APART):
             raise OptionError(
-                f"unknown coupling {value!r}, expected one of {', '.join(COUPLINGS)}, or {' or '.join(TEES)} for a tee"
+                f"unknown coupling {value!r}, expected one of {', '.join(COUPLINGS)}, apart, or {' or '.join(TEES)} for a tee"
             )
     return couplings, {joint: value for joint, value in said.items() if value in TEES}
 

@@ -11,7 +11,7 @@ Each stage is a function of the values before it; nothing here holds state. `sec
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -37,6 +37,9 @@ Progress = Callable[[str, float], None]
 """Called with a stage's name and the share of it that is done, 0..1."""
 
 DEFAULT_MATERIAL = "steel"
+
+APART = "apart"
+"""The coupling of a joint across which segments are meshed apart."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -69,7 +72,7 @@ class Meshed:
         """One line each: what an analyst should look at, though the model holds."""
         from kernel.connect.audit import component_segments
 
-        if self.checks.components == 1:
+        if self.checks.components == 1 or self.assembly.apart:
             return self.model.notes
         parts = " | ".join(" ".join(segments) for segments in component_segments(self.model))
         return f"the model is in {self.checks.components} parts that do not touch: {parts}", *self.model.notes
@@ -124,6 +127,8 @@ def mesh(
     joint_couplings: Mapping[str, str] | None = None,
     materials_of: Mapping[str, str] | None = None,
     mass: str = "plain",
+    apart: bool = False,
+    only: Collection[str] = (),
     progress: Progress | None = None,
 ) -> Meshed:
     """Idealise and mesh the segments on shared curves, couple them, and check the connected model.
@@ -131,7 +136,8 @@ def mesh(
     material: a named material for every segment, None for what the model's MATERIAL says, else steel.
     coupling: "distributing" (RBE3), "rigid" (RBE2) or "work" (equations), where dimensions change.
     materials_of: names of materials by segment id, node path or name, where they differ.
-    joint_couplings: by joint id, where one is to differ. mass: "plain", or "exact" to scale densities so that every
+    joint_couplings: by joint id, where one is to differ; "apart" for neither coupling nor common nodes there.
+    apart: the same at every joint. only: mesh these alone, each apart: segment ids, node paths or names. mass: "plain", or "exact" to scale densities so that every
     segment weighs what its solid does.
     """
     from kernel.connect.build import build_model
@@ -142,8 +148,12 @@ def mesh(
     clock = _Clock(progress)
     options = options or MeshOptions()
     csg, evaluated = classified.csg, classified.evaluated
+    by_joint = joint_couplings or {}
+    torn = [joint.id for joint in classified.joints] if apart else [j for j, kind in by_joint.items() if kind == APART]
+    chosen = segments_of(classified, only) if only else None
     with clock("mesh"):
-        assembly = assemble(evaluated, classified.partition.segments, classified.joints, options, clock.part)
+        segments = classified.partition.segments
+        assembly = assemble(evaluated, segments, classified.joints, options, clock.part, apart=torn, only=chosen)
     with clock("quality"):
         in_frame = replace(assembly.mesh, nodes=assembly.mesh.nodes @ evaluated.frame.T)  # errors name places in it
         quality = mesh_quality(in_frame)
@@ -155,7 +165,7 @@ def mesh(
             units=classified.units,
             material=material,
             coupling=coupling,
-            joint_couplings=joint_couplings,
+            joint_couplings={joint: kind for joint, kind in by_joint.items() if kind != APART},
             materials_of=materials_of,
             mass=mass,
             title=Path(csg.source).name,  # a deck does not depend on the folder that its model lies in
@@ -164,6 +174,25 @@ def mesh(
     with clock("check"):
         checks = check_model(model, assembly, evaluated)
     return Meshed(classified, options, assembly, model, checks, quality, {**classified.seconds, **clock.seconds})
+
+
+def segments_of(classified: Classified, addresses: Collection[str]) -> list[str]:
+    """Ids of the segments that the addresses mean: a segment's id, or a node's path or name for those at or under it.
+
+    OverrideError: there is no such node. OptionError: a node of no segment.
+    """
+    segments = classified.partition.segments
+    found: set[str] = set()
+    for address in addresses:
+        if any(segment.id == address for segment in segments):
+            found.add(address)
+            continue
+        path, _ = find(classified.csg.root, address)
+        inside = {s.id for s in segments if path == "/" or s.node == path or s.node.startswith(f"{path}.")}
+        if not inside:
+            raise OptionError(f"node {address} has no segments of its own, expected a segment or a node that has some")
+        found |= inside
+    return [segment.id for segment in segments if segment.id in found]
 
 
 def refuse_failed(meshed: Meshed) -> None:

@@ -11,8 +11,9 @@ from numpy.typing import NDArray
 from kernel.connect.audit import coincident_nodes, connected_components, coupling_nodes, edge_cracks, loose_arms
 from kernel.connect.couplings import nodes_with_rotations
 from kernel.connect.equations import rigid_motion_error
-from kernel.connect.mass import Moments, block_moments, solid_moments, total
+from kernel.connect.mass import Moments, block_moments, total
 from kernel.connect.model import Coupling, Model, Mpc, Rbe2
+from kernel.connect.reference import Reference, reference_of
 from kernel.units import VERTEX_TOLERANCE
 
 if TYPE_CHECKING:
@@ -105,33 +106,38 @@ class Checks:
 
 def check_model(model: Model, assembly: Assembly, evaluated: Evaluated) -> Checks:
     """All checks of the model against itself, its assembly and the solid that it stands for."""
+    return check_against(model, reference_of(assembly, evaluated))
+
+
+def check_against(model: Model, reference: Reference) -> Checks:
+    """All checks of the model against itself and what it was made to be."""
     nodes = model.mesh.nodes
-    size = float(evaluated.size)
+    size = reference.size
     centre = (nodes.min(axis=0) + nodes.max(axis=0)) / 2
     errors = [rigid_motion_error(coupling, nodes, centre, size) for coupling in model.couplings]
-    solid, meshed, density = _masses(model, evaluated)
+    solid, meshed, density = _masses(model, reference.solid)
     doubly, chained = dependence(model.couplings, nodes_with_rotations(model.mesh))
     checks = Checks(
         components=connected_components(model),
-        solid_components=len(evaluated.solid.components()),
+        solid_components=reference.pieces,
         free_nodes=_free_nodes(model),
         coincident_nodes=coincident_nodes(model, VERTEX_TOLERANCE * size),
         coupling_error=max(errors, default=0.0),
         doubly_dependent=doubly,
         chained=chained,
-        cracks=edge_cracks(assembly.mesh, assembly.curve_uses),
-        loose_arms=loose_arms(model, assembly.arms),
+        cracks=edge_cracks(model.mesh, reference.curve_uses),
+        loose_arms=loose_arms(model, reference.arms),
         solid_mass=solid.mass,
         model_mass=meshed.mass,
-        ledger_mass=0.0 if _is_weighed(model) else sum(row.volume for row in assembly.ledger) * density,
+        ledger_mass=0.0 if _is_weighed(model) else sum(row.volume for row in reference.ledger) * density,
         solid_centre=solid.centre,
         model_centre=meshed.centre,
         solid_inertia=solid.inertia,
         model_inertia=meshed.inertia,
-        ledger=assembly.ledger,
+        ledger=reference.ledger,
         failures=(),
     )
-    return _with_failures(checks)
+    return _with_failures(checks, reference)
 
 
 def dependence(couplings: tuple[Coupling, ...], has_rotations: NDArray[np.bool_]) -> tuple[int, int]:
@@ -155,7 +161,7 @@ def dependence(couplings: tuple[Coupling, ...], has_rotations: NDArray[np.bool_]
     return sum(count > 1 for count in dependent.values()), len(independent & set(dependent))
 
 
-def _masses(model: Model, evaluated: Evaluated) -> tuple[Moments, Moments, float]:
+def _masses(model: Model, volume: Moments) -> tuple[Moments, Moments, float]:
     """Of the solid, of the model, and the solid's density (the mean over the segments where materials differ)."""
     elements = {element.segment: element for element in model.properties}
     nodes = model.mesh.nodes
@@ -168,10 +174,7 @@ def _masses(model: Model, evaluated: Evaluated) -> tuple[Moments, Moments, float
     meshed = total(parts)
     densities = {material.density for material in model.materials.values()}
     density = densities.pop() if len(densities) == 1 else meshed.mass / bare
-    facets = evaluated.solid.facets
-    frame = np.asarray(evaluated.frame)
-    solid = solid_moments(facets.vertices @ frame.T, facets.triangles, evaluated.solid.true_volume)
-    return Moments(solid.mass * density, solid.centre, solid.second * density), meshed, density
+    return Moments(volume.mass * density, volume.centre, volume.second * density), meshed, density
 
 
 def _is_weighed(model: Model) -> bool:
@@ -188,15 +191,18 @@ def _free_nodes(model: Model) -> int:
     return int((~used).sum())
 
 
-def _with_failures(checks: Checks) -> Checks:
+def _with_failures(checks: Checks, reference: Reference) -> Checks:
     expected = checks.solid_components
     tests = (
         (
             checks.components == expected,
-            f"the model is in {checks.components} pieces, expected {expected} as the solid",
+            f"the model is in {checks.components} pieces, expected {expected} as {reference.pieces_of}",
         ),
         (checks.free_nodes == 0, f"{checks.free_nodes} nodes belong to nothing"),
-        (checks.coincident_nodes == 0, f"{checks.coincident_nodes} pairs of nodes coincide and are not tied"),
+        (
+            checks.coincident_nodes == 0 or reference.may_coincide,
+            f"{checks.coincident_nodes} pairs of nodes coincide and are not tied",
+        ),
         (
             checks.coupling_error <= RIGID_MOTION_TOLERANCE,
             f"a coupling resists a rigid motion by {checks.coupling_error:.1e}, limit {RIGID_MOTION_TOLERANCE:g}",

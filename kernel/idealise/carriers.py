@@ -192,6 +192,11 @@ class VertexTable:
         self._keys.add(key, len(self.points) - 1)
         return len(self.points) - 1
 
+    def copy(self, index: int) -> int:
+        """Index of a new vertex at the same place, which no point finds."""
+        self.points.append(self.points[index])
+        return len(self.points) - 1
+
 
 class CarrierTable:
     """Every carrier once: one that coincides with an earlier one within the tolerance gets that one's index.

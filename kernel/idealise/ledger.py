@@ -74,27 +74,30 @@ def _polyline_area(sheet: Sheet, flat: NDArray[np.float64]) -> float:
 def volume_ledger(parts: Parts) -> tuple[LedgerRow, ...]:
     """One row for each pair of walls that cross, and for each segment whose own shape is not its idealised one."""
     total = sum(segment.volume for segment in parts.segments.values())
-    rows: dict[tuple[tuple[str, ...], str], float] = {}
+    rows: dict[tuple[tuple[str, ...], str], dict[str, float]] = {}
 
-    def add(names: tuple[str, ...], cause: str, volume: float) -> None:
-        rows[(names, cause)] = rows.get((names, cause), 0.0) + volume
+    def add(names: tuple[str, ...], cause: str, volume: float, of: str) -> None:
+        shares = rows.setdefault((names, cause), {})
+        shares[of] = shares.get(of, 0.0) + volume
 
     order = {name: place for place, name in enumerate(parts.segments)}
     for name, wall in parts.walls.items():
         own = outline_area(parts.topology, wall.sheet, [stretch for ring in wall.rings for stretch in ring])
-        add((name,), "its own faces are not square to the mid-surface", own * wall.thickness - wall.segment.volume)
+        add(
+            (name,), "its own faces are not square to the mid-surface", own * wall.thickness - wall.segment.volume, name
+        )
         moved = outline_area(parts.topology, wall.sheet, wall.outline) - own
         for names, area in _moved(parts.topology, wall, parts.crossings_of(wall), moved):
-            add(tuple(sorted(names, key=order.__getitem__)), "mid-surfaces meet", area * wall.thickness)
+            add(tuple(sorted(names, key=order.__getitem__)), "mid-surfaces meet", area * wall.thickness, name)
     for name, beam in parts.beams.items():
         own = beam.section.area * (beam.end - beam.start)
-        add((name,), "section times length against the beam's own shape", own - beam.segment.volume)
+        add((name,), "section times length against the beam's own shape", own - beam.segment.volume, name)
     for name in sorted(parts.absorbed):
-        add((name,), "material of a corner, counted by the walls that meet there", -parts.segments[name].volume)
+        add((name,), "material of a corner, counted by the walls that meet there", -parts.segments[name].volume, name)
     return tuple(
-        LedgerRow(names, cause, float(volume))
-        for (names, cause), volume in rows.items()
-        if abs(volume) > NEGLIGIBLE * total
+        LedgerRow(names, cause, float(sum(shares.values())), {of: float(share) for of, share in shares.items()})
+        for (names, cause), shares in rows.items()
+        if abs(sum(shares.values())) > NEGLIGIBLE * total
     )
 
 

@@ -45,11 +45,15 @@ class Tie:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LedgerRow:
-    """Volume that the idealised model counts more (+) or less (-) often than the solid has it, and why."""
+    """Volume that the idealised model counts more (+) or less (-) often than the solid has it, and why.
+
+    shares: what each segment's own elements count of it, by segment id; they add up to the volume.
+    """
 
     segments: tuple[str, ...]
     cause: str
     volume: float
+    shares: Mapping[str, float]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -63,6 +67,8 @@ class Assembly:
     arms: (n_edge, 4) int64: for each element edge that hangs by rigid arms its two nodes, and the two nodes of the
         joint curve from which these hang.
     warnings: one line each (near misses, small details removed, irregular seeds).
+    apart: joints across which nothing is shared or tied; only: the segments that were meshed, None for all; pieces: in
+        how many parts that leaves them.
     """
 
     segments: tuple[Segment, ...]
@@ -77,3 +83,6 @@ class Assembly:
     sizes: Sizes = field(default_factory=lambda: Sizes(0.0, "", {}))
     """The element sizes that were used, and what they come from."""
     bricks: Mapping[str, str] = field(default_factory=dict)
+    apart: frozenset[str] = frozenset()
+    only: frozenset[str] | None = None
+    pieces: int = 1

@@ -5,7 +5,7 @@ walls -> crossings -> regions -> outlines and imprints -> curves -> seeds -> fac
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -14,6 +14,7 @@ from kernel.connect.contacts import near_misses
 from kernel.connect.joints import Joint
 from kernel.idealise.arm_cuts import pair_vertices
 from kernel.idealise.arms import TeeOf, arm_candidates, extended, stand_off, tee_choice, unused_choices
+from kernel.errors import OptionError
 from kernel.idealise.beam import make_beam
 from kernel.idealise.brick import group_bricks
 from kernel.idealise.crossings import find_crossings
@@ -23,9 +24,10 @@ from kernel.idealise.ledger import volume_ledger
 from kernel.idealise.members import Assembly
 from kernel.idealise.parts import Parts
 from kernel.idealise.regions import join_walls
-from kernel.idealise.topology import BOUNDARY, Topology
+from kernel.idealise.topology import BOUNDARY, Curve, Topology
 from kernel.idealise.walls import corner_material, make_wall
 from kernel.mesh.arms import arm_rows, arm_ties, hung_curves
+from kernel.mesh.apart import count_pieces, faces_apart, torn, wanted_apart
 from kernel.mesh.beam_ties import beam_stations
 from kernel.mesh.beams import mesh_beams
 from kernel.mesh.bricks import mesh_bricks
@@ -62,22 +64,30 @@ def assemble(
     joints: Sequence[Joint],
     options: MeshOptions,
     progress: Progress | None = None,
+    *,
+    apart: Collection[str] = (),
+    only: Collection[str] | None = None,
 ) -> Assembly:
     """Mesh every segment, those that share a curve with shared nodes, and say what must be tied.
 
+    apart: ids of joints across which segments are meshed apart: they meet, but share no nodes and are not tied.
+    only: ids of the segments to mesh, each by itself; None for all.
     progress: called with the stage or segment and the share done (0..1). MeshError or ConnectError, naming the
     segments, where something cannot be done.
     """
     report = progress or _silent
     planned = plan_sizes(segments, options, evaluated)
     sizes = planned.by_segment
-    tee_of = tee_choice(options.tee, options.joint_tees, joints)
-    parts = idealise(segments, joints, evaluated.size, options.volumes, tee_of)
+    torn_joints = wanted_apart(joints, [joint.id for joint in joints] if only is not None else apart)
+    tee_of = joined_tees(tee_choice(options.tee, options.joint_tees, joints), joints, torn_joints)
+    parts = idealise(segments, joints, evaluated.size, options.volumes, tee_of, torn_joints)
     parts.warnings += unused_choices(options.joint_tees, joints, parts.arms)
+    every_segment = [segment.id for segment in segments]
+    segments = _limited(parts, segments, only)
     report("idealised", 0.2)
     nodes = NodeTable()
     hangings = pair_vertices(parts.topology, parts.arms, parts.thickest()) if parts.arms else []
-    pieces = parts.topology.curves()
+    pieces = _curves(parts, joints, torn_joints, only)
     hung = hung_curves(parts.topology, pieces, hangings)
     chosen = choose_curves(options, parts, pieces, evaluated)
     growth = None if options.growth is None else growth_rate(options.growth)
@@ -126,15 +136,24 @@ def assemble(
         warnings=(*planned.warnings, *parts.warnings, *near_misses(segments, evaluated, joints)),
         sizes=planned,
         bricks={name: brick.how for name, brick in bricks.items()},
+        apart=torn_joints,
+        only=None if only is None else frozenset(only),
+        pieces=count_pieces(every_segment, joints, torn_joints, [block.segment for block in mesh.blocks]),
     )
 
 
 def idealise(
-    segments: Sequence[Segment], joints: Sequence[Joint], size: float, volumes: str = "auto", tee_of: TeeOf = extended
+    segments: Sequence[Segment],
+    joints: Sequence[Joint],
+    size: float,
+    volumes: str = "auto",
+    tee_of: TeeOf = extended,
+    apart: Collection[str] = (),
 ) -> Parts:
     """Walls joined to one topology with all their imprints, beams with their axes, swept bricks in groups.
 
-    size: the model's. volumes: as in MeshOptions. tee_of: how the tees of two segments are made.
+    size: the model's. volumes: as in MeshOptions. tee_of: how the tees of two segments are made. apart: joints that
+    only walls take notice of, whose mid-surfaces meet there.
     """
     topology = Topology(VERTEX_TOLERANCE * size, size)
     parts = Parts(topology, {segment.id: segment for segment in segments}, tuple(joints))
@@ -154,18 +173,50 @@ def idealise(
     join_walls(topology, walls, crossings, parts.surroundings(crossings))
     parts.arms = stand_off(topology, walls, crossings, joints, tee_of, parts.warnings)
     lay_outlines(topology, walls)
+    parts.joints = tuple(joint for joint in joints if joint.id not in apart)
     candidates = [*crossing_candidates(topology, crossings), *outline_candidates(topology, walls, joints)]
     candidates += arm_candidates(parts.arms)
     candidates += [*footprint_candidates(parts), *lap_candidates(parts)]
     axes, parts.seats = seats(parts)
     candidates += axes
     if volumes != "tet":
-        parts.sweeps, outlines = group_bricks(segments, joints, parts.walls, topology)
+        parts.sweeps, outlines = group_bricks(segments, parts.joints, parts.walls, topology)
         candidates += outlines
         parts.hosts = {brick.segment.id: group.host for group in parts.sweeps if group.host for brick in group.bricks}
     imprint(topology, candidates)
     cut_edges(parts)
     return parts
+
+
+def _limited(parts: Parts, segments: Sequence[Segment], only: Collection[str] | None) -> Sequence[Segment]:
+    """The segments to mesh; leaves the others' walls, beams and sweeps out of the parts. OptionError: unknown ones."""
+    if only is None:
+        return segments
+    names = [segment.id for segment in segments if segment.id not in parts.absorbed]
+    for name in sorted(only):
+        if name not in names:
+            raise OptionError(f"no segment {name!r} that has elements, expected one of {', '.join(names)}")
+    parts.walls = {name: wall for name, wall in parts.walls.items() if name in only}
+    parts.beams = {name: beam for name, beam in parts.beams.items() if name in only}
+    parts.sweeps = [group for group in parts.sweeps if group.bricks[0].segment.id in only]
+    parts.segments = {name: segment for name, segment in parts.segments.items() if name in only}
+    parts.absorbed = ()
+    return [segment for segment in segments if segment.id in only]
+
+
+def _curves(parts: Parts, joints: Sequence[Joint], apart: Collection[str], only: Collection[str] | None) -> list[Curve]:
+    curves = parts.topology.curves()
+    if not apart and only is None:
+        return curves
+    by_index = {wall.index: wall.segment.id for wall in parts.walls.values()}
+    is_apart = faces_apart(parts, joints, apart)
+    copies = torn(parts.topology, curves, list(by_index), is_apart)
+    held = {(a, b) for curve in copies for a in curve.uses for b in curve.uses if a < b and is_apart(a, b)}
+    parts.warnings += [
+        f"{by_index[a]} and {by_index[b]} are to be apart, but a third segment holds them together on a common curve"
+        for a, b in sorted(held)
+    ]
+    return copies
 
 
 def _mesh_faces(
@@ -178,12 +229,12 @@ def _mesh_faces(
     report: Progress,
 ) -> dict[str, FaceMesh]:
     faces = {}
-    for name, wall in parts.walls.items():
+    for number, (name, wall) in enumerate(parts.walls.items(), start=1):
         label = f"{name} ({wall.segment.node})"
         own = by_face[wall.index]
         face = faces[name] = mesh_face(label, wall.index, wall.sheet, own, sizes[name], kind, nodes, growth)
         parts.warnings += odd_seeds_note(label, own, kind, len(face.triangles), "triangles")
-        report(name, 0.2 + 0.6 * (wall.index + 1) / len(parts.walls))
+        report(name, 0.2 + 0.6 * number / len(parts.walls))
     return faces
 
 
