@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Annotated, NoReturn
 
 import typer
 
-from app import cli_mesh, cli_rules, texts
+from app import cli_edits, cli_mesh, cli_rules, texts
 from app.cli_arguments import JsonOption, ModelArgument, OverrideOption, RulesOption, UnitsOption, overrides
 from app.output import check_writable, write_files
 from kernel.errors import CsgmeshError
@@ -139,6 +139,7 @@ def quality(
         texts.show("\n".join([f"{deck}: {texts.plural(elements.n_node, 'node')}", *texts.quality_lines(measured)]))
 
 
+app.add_typer(cli_edits.app)
 app.add_typer(cli_rules.app)
 
 

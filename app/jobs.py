@@ -117,9 +117,10 @@ class Jobs:
         with self._wake:
             self._doing[job.id] = worker
         try:
+            request = json.loads(job.request)
             result = worker.call(
-                "mesh",
-                json.loads(job.request),
+                request.get("task", "mesh"),
+                request,
                 progress=lambda stage, share: self._report(job.id, stage, share),
                 may_start=lambda: self._is_running(job.id),
             )

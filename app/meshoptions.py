@@ -38,7 +38,8 @@ def split_joints(said: Mapping[str, str]) -> tuple[dict[str, str], dict[str, str
     for value in couplings.values():
         if value not in (*COUPLINGS, APART):
             raise OptionError(
-                f"unknown coupling {value!r}, expected one of {', '.join(COUPLINGS)}, apart, or {' or '.join(TEES)} for a tee"
+                f"unknown coupling {value!r}, expected one of {', '.join((*COUPLINGS, APART))}, "
+                f"or {' or '.join(TEES)} for a tee"
             )
     return couplings, {joint: value for joint, value in said.items() if value in TEES}
 

@@ -137,8 +137,8 @@ def mesh(
     coupling: "distributing" (RBE3), "rigid" (RBE2) or "work" (equations), where dimensions change.
     materials_of: names of materials by segment id, node path or name, where they differ.
     joint_couplings: by joint id, where one is to differ; "apart" for neither coupling nor common nodes there.
-    apart: the same at every joint. only: mesh these alone, each apart: segment ids, node paths or names. mass: "plain", or "exact" to scale densities so that every
-    segment weighs what its solid does.
+    apart: the same at every joint. only: mesh these alone, each apart: segment ids, node paths or names.
+    mass: "plain", or "exact" to scale densities so that every segment weighs what its solid does.
     """
     from kernel.connect.build import build_model
     from kernel.connect.checks import check_model

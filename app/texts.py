@@ -166,6 +166,20 @@ def brick_lines(bricks: dict[str, str]) -> list[str]:
     return lines
 
 
+def edited_text(answer: dict[str, Any], deck: str) -> str:
+    """An edited mesh: what was done to it, what it is now, and its quality."""
+    elements = ", ".join(f"{count} {kind}" for kind, count in answer["elements"].items())
+    couplings = ", ".join(f"{count} {kind}" for kind, count in answer["couplings"].items()) or "none"
+    lines = [
+        *answer["history"],
+        f"{deck}: {plural(answer['nodes'], 'node')}, {elements}",
+        f"couplings: {couplings}; components: {answer['components']}",
+        f"mass: {number(answer['mass']['model'])} (before {number(answer['mass']['solid'])})",
+        *quality_lines(answer["quality"]),
+    ]
+    return "\n".join(lines)
+
+
 def mass_text(answer: MeshAnswer) -> str:
     """Mass of the solid and of the model with their unit, and what the ledger of corners explains of the error."""
     from kernel.units import unit_set

@@ -6,6 +6,7 @@ A task is a function (payload, artifacts, progress) -> result, named in TASKS. I
 from __future__ import annotations
 
 import contextlib
+import json
 import os
 import pickle
 import signal
@@ -114,6 +115,7 @@ def mesh_task(payload: Payload, artifacts: Artifacts, progress: Progress) -> dic
     """Mesh; gives the artifacts of the answer and of the content (model and what its pictures need)."""
     from app import pipeline
     from app.answers import meshed_answer
+    from kernel.connect.reference import reference_of, with_solids
     from kernel.mesh.options import MeshOptions
 
     classified = _classified(payload, progress)
@@ -125,14 +127,50 @@ def mesh_task(payload: Payload, artifacts: Artifacts, progress: Progress) -> dic
         coupling=payload["coupling"],
         joint_couplings=payload["joints"],
         mass=payload["mass"],
+        apart=payload.get("apart", False),
+        only=payload.get("only", ()),
         progress=progress,
     )
     if not payload["unchecked"]:
         pipeline.refuse_failed(meshed)
     answer = meshed_answer(meshed).model_dump_json().encode()
+    whole = reference_of(meshed.assembly, classified.evaluated)
+    reference = with_solids(whole, meshed.assembly, classified.evaluated)
     return {
         "answer": artifacts.put(answer),
-        "content": artifacts.put(pickle.dumps({"model": meshed.model}, protocol=5)),
+        "content": artifacts.put(pickle.dumps({"model": meshed.model, "reference": reference}, protocol=5)),
+    }
+
+
+def edit_task(payload: Payload, artifacts: Artifacts, progress: Progress) -> dict[str, Any]:
+    """Edit a kept mesh; gives the artifacts of the new one's answer and content."""
+    from app.editing import Subject, apply_edits, checked, edited_answer, parse_edits
+    from kernel.edit.edited import Edited
+
+    def kept(one: dict[str, Any]) -> Subject:
+        content = pickle.loads(artifacts.get(one["content"]))
+        edited = Edited.of(content["model"], content.get("reference"))
+        return Subject(edited, json.loads(artifacts.get(one["answer"])))
+
+    start = time.perf_counter()
+    others = {one["edit"]["mesh"]: one for one in payload["edits"] if one["edit"]["op"] == "merge"}
+    edits = parse_edits([one["edit"] for one in payload["edits"]])
+    parent = kept(payload)
+    subject = apply_edits(parent, edits, lambda mesh: kept(others[mesh]), progress)
+    progress("check", 0.0)
+    checks, quality = checked(subject, payload["unchecked"])
+    answer = edited_answer(subject, checks, quality)
+    before = parent.answer or {}
+    answer |= {
+        "parent": payload["parent"],
+        "edits": [one["edit"] for one in payload["edits"]],
+        "history": [*before.get("history", []), *answer["history"]],
+        "seconds": {"edit": round(time.perf_counter() - start, 4)},
+    }
+    content = {"model": subject.edited.model, "reference": subject.edited.reference}
+    return {
+        "answer": artifacts.put(json.dumps(answer, allow_nan=False).encode()),
+        "content": artifacts.put(pickle.dumps(content, protocol=5)),
     }
 
 
@@ -193,6 +231,7 @@ TASKS: dict[str, Callable[[Payload, Artifacts, Progress], Any]] = {
     "classify": classify_task,
     "explain": explain_task,
     "mesh": mesh_task,
+    "edit": edit_task,
     "deck": deck_task,
     "mesh_glb": mesh_glb_task,
     "rules_load": rules_load_task,

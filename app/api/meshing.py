@@ -78,9 +78,12 @@ class MeshRequest(Schema):
     tee: Literal["extend", "arms"] = Field(
         default="extend", description="walls that end in another: carried on to its mid-surface, or hung by rigid arms"
     )
-    joints: dict[str, Literal["distributing", "rigid", "work", "extend", "arms"]] = Field(
-        default_factory=dict, description="couplings or tees of single joints, by id"
+    joints: dict[str, Literal["distributing", "rigid", "work", "extend", "arms", "apart"]] = Field(
+        default_factory=dict,
+        description="couplings or tees of single joints, by id; apart: no common nodes either",
     )
+    apart: bool = Field(default=False, description="mesh every segment apart: nothing is shared or coupled")
+    only: list[str] = Field(default_factory=list, description="mesh these nodes or segments alone, each apart")
     mass: Literal["plain", "exact"] = Field(default="plain", description="exact: densities scaled to the solid's mass")
     unchecked: bool = Field(default=False, description="keep the mesh even if it does not pass its own checks")
     material: str | None = Field(default=None, max_length=100)
@@ -109,6 +112,9 @@ class MeshResource(MeshAnswer):
     id: str
     model_id: str
     created: str
+    parent: str | None = Field(default=None, description="the mesh that this one was edited from")
+    edits: list[dict[str, Any]] = Field(default_factory=list, description="what was asked for then")
+    history: list[str] = Field(default_factory=list, description="what all edits did since it was meshed, a line each")
 
 
 @router.post(
@@ -145,6 +151,8 @@ def create_mesh(
         "coupling": wanted.coupling,
         "joints": couplings,
         "mass": wanted.mass,
+        "apart": wanted.apart,
+        "only": wanted.only,
         "unchecked": wanted.unchecked,
     }
     job = context.jobs.submit(model.id, question_key("mesh", payload), payload)

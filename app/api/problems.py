@@ -101,9 +101,15 @@ def invalid_message(wrong: Mapping[str, Any], request: Request) -> str:
         return f"the body is no JSON: {reason}, expected an object with {known or 'fields'}"
     if location == ["body"]:
         return f"the body is {_said(wrong['input'])}, expected an object with the fields {known}"
+    if wrong["type"] == "extra_forbidden" and len(location) > 2:
+        return f"unknown field {field!r}"
     if wrong["type"] == "extra_forbidden":
         near = did_you_mean(location[-1], known.split(", "))
         return f"unknown field {field!r}, expected one of {known}{near}"
+    if wrong["type"] in ("union_tag_invalid", "union_tag_not_found"):  # a list of things of several kinds
+        tag, tags = wrong["ctx"]["discriminator"].strip("'"), wrong["ctx"].get("expected_tags", "")
+        given = wrong["input"].get(tag) if isinstance(wrong["input"], dict) else wrong["input"]
+        return f"{field}.{tag} is {_said(given)}, expected {f'one of {tags}' if tags else 'one'}"
     if wrong["type"] == "missing":
         return f"{field} is missing, expected the fields {known}" if known else f"{field} is missing"
     expected = wrong["msg"].replace("Input should be", "").strip()

@@ -14,7 +14,7 @@ from fastapi import FastAPI, HTTPException
 from starlette.responses import FileResponse, RedirectResponse
 from starlette.staticfiles import StaticFiles
 
-from app.api import meshing, models, problems, rulebases, segments
+from app.api import edits, meshing, models, problems, rulebases, segments
 from app.api.context import Context, Ctx
 from app.schemas import Problem
 from app.settings import Settings
@@ -46,7 +46,7 @@ def create_app(settings: Settings) -> FastAPI:
         redoc_url=None,
     )
     problems.install(application)
-    for part in (models, segments, meshing, rulebases):
+    for part in (models, segments, meshing, edits, rulebases):
         application.include_router(part.router)
     _add_service(application)
     _document_problems(application)

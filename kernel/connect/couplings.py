@@ -97,7 +97,7 @@ def make_couplings(
         Rbe2(independent, np.array(sorted(held), dtype=np.int64), "123")
         for independent, held in sorted(followers.items())
     ]
-    couplings += _equations(table, couplings, nodes)
+    couplings += equations_of(table, couplings, nodes)
     return Coupled(tuple(couplings), tuple(dict.fromkeys(notes)))
 
 
@@ -198,7 +198,7 @@ def _interpolated(item: Interpolation, nodes: Array, has_rotations: NDArray[np.b
     }
 
 
-def _equations(table: dict[Freedom, Expression], couplings: Sequence[Coupling], nodes: Array) -> list[Mpc]:
+def equations_of(table: dict[Freedom, Expression], couplings: Sequence[Coupling], nodes: Array) -> list[Mpc]:
     """The table's rows, with the freedoms replaced that depend on other rows or on couplings."""
     needed = {freedom[0] for row in table.values() for freedom in row}
     known = dict(table)

@@ -12,7 +12,7 @@ place, and ties nodes that lie on another segment's shells without a partner the
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -37,11 +37,15 @@ INSIDE = 1e-6
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Connected:
-    """The mesh with coincident nodes made one, the ties that are left to couple, and how many nodes were made one."""
+    """The mesh with coincident nodes made one, the ties that are left to couple, and how many nodes were made one.
+
+    numbers: (n_node,) the new number of every old node.
+    """
 
     mesh: Mesh
     ties: tuple[Tie, ...]
     n_joined: int
+    numbers: Indices
 
 
 def merge(meshes: Sequence[Mesh]) -> Mesh:
@@ -63,61 +67,125 @@ def merge(meshes: Sequence[Mesh]) -> Mesh:
     return Mesh(nodes, tuple(blocks))
 
 
-def connect(mesh: Mesh, tolerance: float | None = None) -> Connected:
+def connect(
+    mesh: Mesh,
+    tolerance: float | None = None,
+    segments: Collection[str] | None = None,
+    bound: Collection[int] = (),
+) -> Connected:
     """Join the segments of a mesh where they touch. tolerance: a length; by default the vertex tolerance of its size.
 
-    ConnectError: two nodes of one element are nearer than the tolerance.
+    Nodes of one segment are never joined with each other, so that a slit stays open. segments: only these, None for
+    all. bound: nodes that depend on something already and are not tied to anything more.
+    ConnectError: an unknown segment, or elements so small that the tolerance would join neighbours.
     """
     size = float(np.linalg.norm(np.ptp(mesh.nodes, axis=0))) if mesh.n_node else 0.0
     reach = VERTEX_TOLERANCE * size if tolerance is None else tolerance
-    joined = _coincident_made_one(mesh, reach)
-    return Connected(joined, _ties(joined, reach), mesh.n_node - joined.n_node)
+    names = list(dict.fromkeys(block.segment for block in mesh.blocks))
+    for name in segments or ():
+        if name not in names:
+            raise ConnectError(f"no segment {name!r} in the mesh, expected one of {', '.join(names)}")
+    chosen = [name for name in names if segments is None or name in segments]
+    _refuse_wide(mesh, reach, chosen)
+    numbers = _coincident(mesh, reach, chosen)
+    joined = _renumbered(mesh, numbers)
+    held = {int(numbers[node]) for node in bound}
+    return Connected(joined, _ties(joined, reach, chosen, held), mesh.n_node - joined.n_node, numbers)
 
 
-def _coincident_made_one(mesh: Mesh, reach: float) -> Mesh:
-    bodies = Bodies()
-    for a, b in near_pairs(mesh.nodes, reach) if reach > 0 else []:
-        bodies.join(a, b)
-    first = np.array([bodies.find(node) for node in range(mesh.n_node)], dtype=np.int64)
-    kept, index = np.unique(first, return_inverse=True)
-    blocks = []
+def _coincident(mesh: Mesh, reach: float, segments: Sequence[str]) -> Indices:
+    """New number of each node, nodes of different segments nearer than the reach made one."""
+    found = near_pairs(mesh.nodes, reach) if reach > 0 else []
+    pairs = sorted(found, key=lambda pair: float(np.linalg.norm(mesh.nodes[pair[0]] - mesh.nodes[pair[1]])))
+    owners: dict[int, set[str]] = {node: set() for pair in pairs for node in pair}
     for block in mesh.blocks:
-        connectivity = index[block.connectivity]
-        ordered = np.sort(connectivity, axis=1)
-        if (ordered[:, 1:] == ordered[:, :-1]).any():
-            raise ConnectError(f"an element of segment {block.segment} is smaller than the tolerance {reach:g}")
-        blocks.append(replace(block, connectivity=connectivity))
-    return Mesh(mesh.nodes[kept], tuple(blocks))
+        for node in owners.keys() & set(block.connectivity.ravel().tolist()):
+            owners[node].add(block.segment)
+    bodies = Bodies()
+    for a, b in pairs:
+        one, other = bodies.find(a), bodies.find(b)
+        both = owners[one] | owners[other]
+        if one != other and both <= set(segments) and owners[one].isdisjoint(owners[other]):
+            bodies.join(one, other)
+            owners[bodies.find(one)] = both
+    first = np.array([bodies.find(node) for node in range(mesh.n_node)], dtype=np.int64)
+    return np.unique(first, return_inverse=True)[1].reshape(-1)
 
 
-def _ties(mesh: Mesh, reach: float) -> tuple[Tie, ...]:
+def _refuse_wide(mesh: Mesh, reach: float, segments: Sequence[str]) -> None:
+    """ConnectError where an edge is so short that both its nodes may be near to one node of another segment."""
+    for block in mesh.blocks:
+        if block.segment not in segments or not len(block.connectivity):
+            continue
+        a, b = np.array(ELEMENT_KINDS[block.kind].edges).T
+        lengths = np.linalg.norm(mesh.nodes[block.connectivity[:, a]] - mesh.nodes[block.connectivity[:, b]], axis=-1)
+        shortest = float(lengths.min()) / ELEMENT_KINDS[block.kind].order
+        if shortest <= 2 * reach:
+            raise ConnectError(
+                f"segment {block.segment} has nodes {shortest:.4g} apart, expected a tolerance under half of that, "
+                f"not {reach:g}"
+            )
+
+
+def _renumbered(mesh: Mesh, numbers: Indices) -> Mesh:
+    blocks = [replace(block, connectivity=numbers[block.connectivity]) for block in mesh.blocks]
+    nodes = np.empty((int(numbers.max(initial=-1)) + 1, 3))
+    nodes[numbers[::-1]] = mesh.nodes[::-1]  # the first of those that become one gives the place
+    nodes.flags.writeable = False
+    return Mesh(nodes, tuple(blocks))
+
+
+def _ties(mesh: Mesh, reach: float, segments: Sequence[str], bound: Collection[int]) -> tuple[Tie, ...]:
     """For each two segments, the side with more hanging nodes follows the other."""
-    shells = [block for block in mesh.blocks if ELEMENT_KINDS[block.kind].dimension == 2]
-    segments = list(dict.fromkeys(block.segment for block in shells))
+    parts = {name: part for name in segments if (part := _part(mesh, name)) is not None}
+    names = list(parts)
+    low, high = (np.array([parts[name].box[k] for name in names]).reshape(-1, 3) for k in (0, 1))
     ties = []
-    for position, one in enumerate(segments):
-        for other in segments[position + 1 :]:
-            ahead, back = _hanging(mesh, shells, one, other, reach), _hanging(mesh, shells, other, one, reach)
+    for position, one in enumerate(names):
+        near = (low[position + 1 :] <= high[position] + reach) & (high[position + 1 :] >= low[position] - reach)
+        for index in np.flatnonzero(near.all(axis=1)).tolist():
+            other = names[position + 1 + index]
+            ahead = _hanging(mesh, parts[one], parts[other], reach, bound)
+            back = _hanging(mesh, parts[other], parts[one], reach, bound)
             found = ahead if len(ahead[0]) > len(back[0]) else back
             if len(found[0]):
                 ties.append(Tie("interpolated", None, found[0], hosts=found[1], host_weights=found[2]))
     return tuple(ties)
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class _Part:
+    """A segment of beams or shells: its nodes, their box (2, 3), and its blocks of shells, which can be hosts."""
+
+    nodes: Indices
+    box: Array
+    shells: tuple[ElementBlock, ...]
+
+
+def _part(mesh: Mesh, segment: str) -> _Part | None:
+    """None for solids: their nodes have no rotations to follow with."""
+    blocks = [b for b in mesh.blocks if b.segment == segment and ELEMENT_KINDS[b.kind].dimension < 3]
+    rows = [block.connectivity.ravel() for block in blocks if block.connectivity.size]
+    if not rows:
+        return None
+    nodes = np.unique(np.concatenate(rows))
+    places = mesh.nodes[nodes]
+    shells = tuple(block for block in blocks if ELEMENT_KINDS[block.kind].dimension == 2)
+    return _Part(nodes, np.array([places.min(axis=0), places.max(axis=0)]), shells)
+
+
 def _hanging(
-    mesh: Mesh, shells: Sequence[ElementBlock], follower: str, host: str, reach: float
+    mesh: Mesh, follower: _Part, host: _Part, reach: float, bound: Collection[int]
 ) -> tuple[Indices, tuple[Indices, ...], tuple[Array, ...]]:
     """Nodes of the follower alone that lie on the host's elements, with these elements' nodes and weights."""
-    on_host = np.unique(np.concatenate([b.connectivity.ravel() for b in shells if b.segment == host]))
-    own = np.unique(np.concatenate([b.connectivity.ravel() for b in shells if b.segment == follower]))
-    own = np.setdiff1d(own, on_host)
-    low, high = mesh.nodes[on_host].min(axis=0) - reach, mesh.nodes[on_host].max(axis=0) + reach
+    own = np.setdiff1d(follower.nodes, host.nodes)
+    low, high = host.box[0] - reach, host.box[1] + reach
     own = own[((mesh.nodes[own] >= low) & (mesh.nodes[own] <= high)).all(axis=1)]
     nodes: list[int] = []
     hosts: list[Indices] = []
     weights: list[Array] = []
     for node in own.tolist():
-        found = _host(mesh, shells, host, mesh.nodes[node], reach)
+        found = None if node in bound else _host(mesh, host.shells, mesh.nodes[node], reach)
         if found is not None:
             nodes.append(node)
             hosts.append(found[0])
@@ -125,13 +193,9 @@ def _hanging(
     return np.array(nodes, dtype=np.int64), tuple(hosts), tuple(weights)
 
 
-def _host(
-    mesh: Mesh, shells: Sequence[ElementBlock], segment: str, place: Array, reach: float
-) -> tuple[Indices, Array] | None:
+def _host(mesh: Mesh, shells: Sequence[ElementBlock], place: Array, reach: float) -> tuple[Indices, Array] | None:
     """The element of the segment on which the place lies, without nodes of no weight."""
     for block in shells:
-        if block.segment != segment:
-            continue
         places = mesh.nodes[block.connectivity]
         margin = reach + 1e-3 * np.ptp(places, axis=1)
         near = ((place >= places.min(axis=1) - margin) & (place <= places.max(axis=1) + margin)).all(axis=1)

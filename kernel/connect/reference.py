@@ -49,7 +49,7 @@ def reference_of(assembly: Assembly, evaluated: Evaluated) -> Reference:
     facets = evaluated.solid.facets
     frame = np.asarray(evaluated.frame)
     solid = solid_moments(facets.vertices @ frame.T, facets.triangles, evaluated.solid.true_volume)
-    pieces, pieces_of = len(evaluated.solid.components()), "the solid"
+    pieces = len(evaluated.solid.components())
     whole = Reference(float(evaluated.size), pieces, solid, assembly.ledger, assembly.curve_uses, assembly.arms)
     if assembly.only is None and not assembly.apart:
         return whole
@@ -120,6 +120,12 @@ def curve_edges(mesh: Mesh) -> NDArray[np.int64]:
         return np.empty((0, 3), np.int64)
     edges, counts = np.unique(np.concatenate(sides), axis=0, return_counts=True)
     return np.column_stack([edges, counts])[counts != 2]
+
+
+def renumbered_arms(arms: NDArray[np.int64], numbers: NDArray[np.int64]) -> NDArray[np.int64]:
+    """The rows in new node numbers, -1 for nodes that are gone: rows that have one go too."""
+    rows = numbers[arms].reshape(-1, 4)
+    return rows[(rows >= 0).all(axis=1)]
 
 
 def renumbered(curve_uses: NDArray[np.int64], numbers: NDArray[np.int64]) -> NDArray[np.int64]:

@@ -128,8 +128,8 @@ def _sets(model: Model, numbering: _Numbering) -> list[str]:
     names = set_names([named.name for named in model.sets], 60)
     for number, (named, name) in enumerate(zip(model.sets, names)):
         lines.append(f"$ SET {2 * number + 1}: elements of {name}; SET {2 * number + 2}: its nodes")
-        lines += _set(2 * number + 1, numbering.element_ids(named.elements))
-        lines += _set(2 * number + 2, named.nodes + 1)
+        for offset, ids in ((1, numbering.element_ids(named.elements)), (2, named.nodes + 1)):
+            lines += _set(2 * number + offset, ids) if len(ids) else []
     return lines
 
 

@@ -83,9 +83,8 @@ def volume_ledger(parts: Parts) -> tuple[LedgerRow, ...]:
     order = {name: place for place, name in enumerate(parts.segments)}
     for name, wall in parts.walls.items():
         own = outline_area(parts.topology, wall.sheet, [stretch for ring in wall.rings for stretch in ring])
-        add(
-            (name,), "its own faces are not square to the mid-surface", own * wall.thickness - wall.segment.volume, name
-        )
+        askew = own * wall.thickness - wall.segment.volume
+        add((name,), "its own faces are not square to the mid-surface", askew, name)
         moved = outline_area(parts.topology, wall.sheet, wall.outline) - own
         for names, area in _moved(parts.topology, wall, parts.crossings_of(wall), moved):
             add(tuple(sorted(names, key=order.__getitem__)), "mid-surfaces meet", area * wall.thickness, name)

@@ -28,6 +28,7 @@ class Parts:
     brick, the wall whose elements it continues, and the joint there. seats: by beam, the walls that it lies along.
     absorbed: segments that are the material of walls' corners, and have no elements of their own. arms: webs' edges
     that hang from joint curves.
+    only: the segments that are to be meshed, None for all.
     """
 
     topology: Topology
@@ -42,6 +43,7 @@ class Parts:
     seats: dict[str, list[Seat]] = field(default_factory=dict)
     absorbed: tuple[str, ...] = ()
     arms: list[Arm] = field(default_factory=list)
+    only: frozenset[str] | None = None
     warnings: list[str] = field(default_factory=list)
     _by_wall: tuple[list[Crossing], dict[int, list[Crossing]]] | None = None
 

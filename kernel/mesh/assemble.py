@@ -12,9 +12,9 @@ import numpy as np
 
 from kernel.connect.contacts import near_misses
 from kernel.connect.joints import Joint
+from kernel.errors import OptionError
 from kernel.idealise.arm_cuts import pair_vertices
 from kernel.idealise.arms import TeeOf, arm_candidates, extended, stand_off, tee_choice, unused_choices
-from kernel.errors import OptionError
 from kernel.idealise.beam import make_beam
 from kernel.idealise.brick import group_bricks
 from kernel.idealise.crossings import find_crossings
@@ -26,8 +26,8 @@ from kernel.idealise.parts import Parts
 from kernel.idealise.regions import join_walls
 from kernel.idealise.topology import BOUNDARY, Curve, Topology
 from kernel.idealise.walls import corner_material, make_wall
+from kernel.mesh.apart import count_pieces, faces_apart, joined_tees, torn, wanted_apart
 from kernel.mesh.arms import arm_rows, arm_ties, hung_curves
-from kernel.mesh.apart import count_pieces, faces_apart, torn, wanted_apart
 from kernel.mesh.beam_ties import beam_stations
 from kernel.mesh.beams import mesh_beams
 from kernel.mesh.bricks import mesh_bricks
@@ -199,8 +199,8 @@ def _limited(parts: Parts, segments: Sequence[Segment], only: Collection[str] | 
     parts.walls = {name: wall for name, wall in parts.walls.items() if name in only}
     parts.beams = {name: beam for name, beam in parts.beams.items() if name in only}
     parts.sweeps = [group for group in parts.sweeps if group.bricks[0].segment.id in only]
-    parts.segments = {name: segment for name, segment in parts.segments.items() if name in only}
     parts.absorbed = ()
+    parts.only = frozenset(only)
     return [segment for segment in segments if segment.id in only]
 
 

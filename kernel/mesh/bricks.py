@@ -76,7 +76,8 @@ def mesh_bricks(
         wishes = _level_wishes(group, chosen.rises.get(number, {}), options.layers)
         meshes.update(_sweep_group(group, section, size, wishes, nodes, frame))
     for name, segment in parts.segments.items():
-        if segment.type == "brick" and name not in meshes and name not in parts.absorbed:
+        is_left_out = name in parts.absorbed or (parts.only is not None and name not in parts.only)
+        if segment.type == "brick" and name not in meshes and not is_left_out:
             reason = "asked for" if options.volumes == "tet" else why.get(name) or not_a_stack(segment, frame)
             if options.volumes == "hex":
                 raise MeshError(f"{name} ({segment.node}) cannot be meshed with hexahedra only: {reason}")

@@ -95,5 +95,34 @@ def test_one_segment_in_two_meshes_is_refused():
 
 
 def test_a_tolerance_that_swallows_elements_is_refused():
-    with pytest.raises(ConnectError, match="smaller than the tolerance"):
-        connect(plate("s1", 0, (5, 3)), tolerance=30.0)
+    both = merge([plate("s1", 0, (5, 3)), plate("s2", 100, (5, 3))])
+    with pytest.raises(ConnectError, match="segment s1 has nodes 20 apart, expected a tolerance under half of that"):
+        connect(both, tolerance=10.0)
+
+
+def test_a_slit_in_a_segment_stays_open():
+    slit = merge([plate("s1", 0, (5, 3)), plate("s2", 100, (5, 3))])
+    one = Mesh(slit.nodes, (*slit.blocks[:1], ElementBlock("s1", "quad4", slit.blocks[1].connectivity)))
+    assert connect(one).n_joined == 0
+
+
+def test_only_the_segments_asked_for_are_connected():
+    three = merge([plate("s1", 0, (5, 3)), plate("s2", 100, (5, 3)), plate("s3", 200, (5, 6))])
+    found = connect(three, segments=["s1", "s2"])
+    assert (found.n_joined, found.ties) == (4, ())
+    with pytest.raises(ConnectError, match="no segment 's9' in the mesh, expected one of s1, s2, s3"):
+        connect(three, segments=["s9"])
+
+
+def test_the_new_numbers_lead_from_the_old_nodes_to_the_same_places():
+    both = merge([plate("s1", 0, (5, 3)), plate("s2", 100 + 1e-3, (5, 3))])
+    found = connect(both, tolerance=0.01)
+    assert np.abs(found.mesh.nodes[found.numbers] - both.nodes).max() == pytest.approx(1e-3)
+    assert found.n_joined == 4
+
+
+def test_a_beams_end_follows_the_plate_it_stands_on():
+    nodes = np.array([[33.0, 31.0, 100.0], [33.0, 31.0, 50.0], [33.0, 31.0, 0.0]])
+    post = Mesh(nodes, (ElementBlock("s2", "line2", np.array([[0, 1], [1, 2]]), np.tile([1.0, 0, 0], (2, 1))),))
+    (tie,) = connect(merge([plate("s1", 0, (5, 3)), post])).ties
+    assert tie.dependent.tolist() == [26]

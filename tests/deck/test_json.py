@@ -5,9 +5,7 @@ from dataclasses import fields, is_dataclass, replace
 
 import numpy as np
 import pytest
-from handmade import (
-    cantilever, channel_outline, i_outline, model_of, shell_cantilever, solid_cantilever, whole_set,
-)  # fmt: skip
+from handmade import cantilever, channel_outline, i_outline, model_of, shell_cantilever, solid_cantilever, whole_set
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from joined import block_on_plate, half_beam_half_solid, lap_of_plates, post_on_plate
@@ -163,7 +161,7 @@ def test_what_is_wrong_is_told_by_its_place(path, value, told):
 
 @pytest.mark.parametrize("text", ["", "[]", "{}", "nonsense", "[" * 100_000])
 def test_what_is_no_deck_is_refused(text):
-    with pytest.raises(ReadError, match="^model.json: "):
+    with pytest.raises(ReadError, match=r"^model\.json: "):
         read_json_deck(text, "model.json")
 
 

@@ -1,0 +1,1 @@
+"""Editing finished meshes by hand: merging, connecting, adding, moving and deleting."""

@@ -1,0 +1,105 @@
+"""Meshing apart: the same geometry, but every segment with nodes of its own; then connected by hand."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from app.pipeline import classify, mesh, read
+from kernel.connect.checks import check_against
+from kernel.connect.reference import reference_of
+from kernel.edit.connecting import connect_model
+from kernel.edit.edited import Edited
+from kernel.edit.merging import merge_models
+from kernel.errors import ConnectError, OptionError, OverrideError
+from kernel.mesh.options import MeshOptions
+
+ROOT = Path(__file__).parents[2]
+WALLS = [
+    "bracket_two_gussets",
+    "box_of_four_plates",
+    "egg_crate_two_by_two",
+    "pipe_two_flanges",
+    "tank_with_nozzle_hole",
+]
+
+
+def classified(name):
+    return classify(read(str(ROOT / name)))
+
+
+def edited(meshed):
+    return Edited.of(meshed.model, reference_of(meshed.assembly, meshed.classified.evaluated))
+
+
+def nodes_of(model):
+    return {block.segment: set(block.connectivity.ravel().tolist()) for block in model.mesh.blocks}
+
+
+@pytest.mark.parametrize("name", WALLS)
+def test_walls_meshed_apart_share_nothing_and_connect_to_one_whole(name):
+    base = classified(f"tests/cases/{name}.csg")
+    apart = mesh(base, apart=True)
+    assert apart.checks.passed, apart.checks.failures
+    assert apart.checks.components == len(apart.assembly.segments)
+    assert apart.model.couplings == ()
+    owners = list(nodes_of(apart.model).values())
+    assert sum(map(len, owners)) == len(set().union(*owners))
+    whole = connect_model(edited(apart))
+    checks = check_against(whole.model, whole.reference)
+    assert checks.passed, checks.failures
+    assert (checks.components, checks.coincident_nodes) == (1, 0)
+
+
+def test_segments_meshed_alone_with_the_same_size_make_the_mesh_of_shared_curves():
+    base = classified("tests/cases/box_of_four_plates.csg")
+    shared = mesh(base, MeshOptions(size=20))
+    parts = [mesh(base, MeshOptions(size=20), only=[segment.id]) for segment in base.partition.segments]
+    for part in parts:
+        assert part.checks.passed and part.checks.components == 1, part.checks.failures
+        assert abs(part.checks.accounted_mass_error) < 1e-9
+    joined = edited(parts[0])
+    for part in parts[1:]:
+        joined = merge_models(joined, edited(part)).edited
+    assert check_against(joined.model, joined.reference).components == 4
+    joined = connect_model(joined)
+    places = [np.unique(np.round(model.mesh.nodes, 9), axis=0) for model in (joined.model, shared.model)]
+    assert np.array_equal(*places)
+    assert joined.model.mesh.count() == shared.model.mesh.count()
+
+
+def test_one_joint_apart_leaves_the_others_as_they_are():
+    base = classified("examples/table.csg")
+    meshed = mesh(base, MeshOptions(size=100), joint_couplings={"j2": "apart", "j3": "rigid"})
+    assert meshed.checks.passed and meshed.checks.components == 2
+    assert len(meshed.model.couplings) == 3
+
+
+def test_a_joint_that_a_third_segment_holds_together_is_told():
+    base = classified("tests/cases/corner_three_plates.csg")
+    meshed = mesh(base, joint_couplings={base.joints[0].id: "apart"})
+    assert meshed.checks.passed
+    assert meshed.checks.components == 1
+
+
+@pytest.mark.parametrize("name", ["shaft_stepped_stout", "block_with_fin", "i_between_blocks", "table_touching"])
+def test_bricks_and_beams_are_meshed_apart_too(name):
+    base = classified(f"tests/cases/{name}.csg")
+    meshed = mesh(base, MeshOptions(size=None if name.startswith("shaft") else 30), apart=True)
+    assert meshed.checks.passed, meshed.checks.failures
+    assert meshed.model.couplings == ()
+    assert meshed.checks.components == len(meshed.assembly.segments)
+
+
+def test_what_only_a_mesh_of_both_can_couple_is_refused_by_hand():
+    meshed = mesh(classified("tests/cases/block_with_fin.csg"), MeshOptions(size=25), apart=True)
+    with pytest.raises(ConnectError, match="a node of solids, which has no rotations"):
+        connect_model(edited(meshed))
+
+
+def test_names_that_are_none_are_refused():
+    base = classified("examples/table.csg")
+    with pytest.raises(OptionError, match="no joint 'j9' in the model, expected one of j1, j2, j3, j4"):
+        mesh(base, joint_couplings={"j9": "apart"})
+    with pytest.raises(OverrideError, match=r"no node '7\.7'"):
+        mesh(base, only=["7.7"])
