@@ -10,6 +10,7 @@ import numpy as np
 from kernel.errors import MeshError
 from kernel.mesh.period import shortest_way
 from kernel.mesh.region import Region, RegionMesh
+from kernel.mesh.region_cells import cells_of_region, joined
 
 FACES = ("quad", "tri", "mixed")
 
@@ -32,13 +33,20 @@ def mesh_region(region: Region, size: float, faces: str = "quad", growth: float 
     cannot be meshed: a boundary that is no ring, points or edges that meet where they should not, an odd curve.
     """
     _check(region, size, faces, growth)
+    cells = cells_of_region(region)
+    if cells is None:
+        return _mesh_cell(region, size, faces, float(growth))
+    return joined(region, cells, [_mesh_cell(cell.region, size, faces, float(growth)) for cell in cells])
+
+
+def _mesh_cell(region: Region, size: float, faces: str, growth: float) -> RegionMesh:
     if faces != "tri":
         from kernel.mesh.structured import structured_mesh
 
         mesh = structured_mesh(region, size)
         if mesh is not None:
             return mesh  # checked by its own measure of quality, without compiled kernels
-    mesh = _general_mesh(region, size, faces, float(growth))
+    mesh = _general_mesh(region, size, faces, growth)
     _check_elements(mesh, region.period)
     return mesh
 
