@@ -105,7 +105,7 @@ def assemble(
     faces = _mesh_faces(parts, by_face, sizes, options.faces, growth, nodes, report)
     for name, face in faces.items():
         blocks[name] += _blocks(name, face)
-    bricks = mesh_bricks(parts, by_face, faces, sizes, options, chosen, nodes, evaluated.frame)
+    bricks = mesh_bricks(parts, by_face, faces, sizes, options, chosen, nodes, evaluated.frame, report)
     for name, brick in bricks.items():
         blocks[name] += brick.blocks
     for joint in parts.joints:

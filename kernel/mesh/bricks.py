@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -55,10 +55,12 @@ def mesh_bricks(
     chosen: ChosenCurves,
     nodes: NodeTable,
     frame: Array,
+    report: Callable[[str, float], None],
 ) -> dict[str, BrickMesh]:
     """Every brick's elements, by segment id. curves, faces: of the walls, meshed already.
 
-    frame: (3, 3), user's point = frame @ working point, for what is said. MeshError: hexahedra alone are asked for
+    frame: (3, 3), user's point = frame @ working point, for what is said. report: called with each segment that is
+    meshed with tetrahedra, and the share of the meshing done. MeshError: hexahedra alone are asked for
     and a brick cannot be swept; or the tetrahedra failed.
     """
     meshes: dict[str, BrickMesh] = {}
@@ -83,6 +85,7 @@ def mesh_bricks(
                 raise MeshError(f"{name} ({segment.node}) cannot be meshed with hexahedra only: {reason}")
             if name in why:
                 parts.warnings.append(f"{name} ({segment.node}) is not swept but meshed with tetrahedra: {reason}")
+            report(f"{name} tetrahedra", 0.8)
             meshes[name] = _tetrahedra(segment, sizes[name], options.deadline, nodes, f"tetrahedra: {reason}")
     return meshes
 

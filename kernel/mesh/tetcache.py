@@ -11,6 +11,7 @@ import hashlib
 import os
 import sys
 import tempfile
+import time
 import zipfile
 from pathlib import Path
 
@@ -20,7 +21,13 @@ from numpy.typing import NDArray
 Tets = tuple[NDArray[np.float64], NDArray[np.int64]]
 
 MAX_BYTES = 1_000_000_000
-"""The oldest entries go when the folder grows beyond this."""
+"""The entries not used for longest go when the folder grows beyond this."""
+
+PART = ".part"
+"""Ending of what is not yet a whole entry."""
+
+STALE = 86_400.0
+"""Seconds after which the part of an entry is one that a killed process left."""
 
 
 def cache_folder() -> Path:
@@ -59,22 +66,41 @@ def load(key: str) -> Tets | None:
     return tets
 
 
-def store(key: str, tets: Tets) -> None:
-    """Keep a mesh under `key`; whole or not at all."""
+def keep(key: str, tets: Tets) -> Tets:
+    """Keep a mesh under `key`, whole or not at all; gives what is kept there.
+
+    Of two processes that mesh the same body at once the first one's mesh stays, and both get it.
+    """
     folder = cache_folder()
+    kept = tets
     with contextlib.suppress(OSError):
         folder.mkdir(parents=True, exist_ok=True)
-        handle, name = tempfile.mkstemp(dir=folder, suffix=".part")
+        handle, name = tempfile.mkstemp(dir=folder, suffix=PART)
+        entry = folder / f"{key}.npz"
         try:
             with os.fdopen(handle, "wb") as part:
                 np.savez(part, nodes=tets[0], tets=tets[1])
-            os.replace(name, folder / f"{key}.npz")
+            try:
+                os.link(name, entry)  # unlike a rename, it fails where there is an entry
+            except FileExistsError:
+                first = load(key)
+                if first is None:  # damaged on disk
+                    os.replace(name, entry)
+                else:
+                    kept = first
+            except OSError:  # a file system without links
+                os.replace(name, entry)
         finally:
             Path(name).unlink(missing_ok=True)
         _prune(folder)
+    return kept
 
 
 def _prune(folder: Path) -> None:
+    for part in folder.glob(f"*{PART}"):
+        with contextlib.suppress(FileNotFoundError):
+            if time.time() - part.stat().st_mtime > STALE:
+                part.unlink(missing_ok=True)
     entries = sorted(
         ((entry.stat().st_mtime, entry.stat().st_size, entry) for entry in folder.glob("*.npz")),
         key=lambda row: row[:2],

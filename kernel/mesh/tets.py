@@ -36,6 +36,9 @@ boundary nodes are put on the true surfaces afterwards (fit.py)."""
 VOLUME_TOLERANCE = 0.01
 """The tets' volume is the surface's within this share of it."""
 
+CHILD_SETTINGS = "optimised, 1"
+"""Part of the key under which meshes are kept: to be changed with tets_child.py's settings of the mesher."""
+
 MAX_TETS = 5_000_000
 """More than this many would be expected: refused at once."""
 
@@ -76,7 +79,7 @@ def tetrahedralise(
     if envelope is None:
         envelope = default_envelope(volume, area, diagonal, size)
     slack = max(VOLUME_TOLERANCE * volume, area * envelope)
-    key = tetcache.key_of(vertices, triangles, size, envelope, _mesher_version())
+    key = tetcache.key_of(vertices, triangles, size, envelope, _mesher_version(), CHILD_SETTINGS)
     kept = tetcache.load(key)
     if kept is not None:
         try:
@@ -84,8 +87,7 @@ def tetrahedralise(
         except MeshError:
             kept = None  # an entry that was damaged on disk: made anew
     nodes, tets = check_tets(*_run(vertices, triangles, size, envelope / diagonal, deadline, memory), volume, slack)
-    tetcache.store(key, (nodes, tets))
-    return nodes, tets
+    return tetcache.keep(key, (nodes, tets))
 
 
 def surface_area(vertices: NDArray[np.float64], triangles: NDArray[np.int64]) -> float:

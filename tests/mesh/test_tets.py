@@ -85,12 +85,34 @@ def test_a_damaged_entry_is_made_anew(cache) -> None:
     assert tet_volumes(*other).sum() == pytest.approx(tet_volumes(*one).sum(), rel=1e-2)
 
 
+def test_of_two_meshes_of_one_body_made_at_once_the_first_is_kept(cache) -> None:
+    first, second = ((np.full((4, 3), value), np.zeros((1, 4), np.int64)) for value in (1.0, 2.0))
+    assert tetcache.keep("raced", first) is first
+    got = tetcache.keep("raced", second)
+    assert (got[0] == 1.0).all()
+    (cache / "tets" / "raced.npz").write_bytes(b"damaged")
+    assert tetcache.keep("raced", second) is second
+    again = tetcache.load("raced")
+    assert again is not None and (again[0] == 2.0).all()
+
+
+def test_what_killed_processes_left_goes_after_a_day(cache) -> None:
+    old, new = cache / "tets" / "old.part", cache / "tets" / "new.part"
+    for part in (old, new):
+        part.parent.mkdir(exist_ok=True)
+        part.write_bytes(b"half")
+    os.utime(old, (1, 1))
+    tetcache.keep("another", (np.zeros((4, 3)), np.zeros((1, 4), np.int64)))
+    assert not old.exists() and new.exists()
+    new.unlink()
+
+
 def test_old_entries_go_when_the_cache_grows(cache, monkeypatch) -> None:
     monkeypatch.setenv("CSGMESH_CACHE", str(cache / "small"))
     monkeypatch.setattr(tetcache, "MAX_BYTES", 5000)
     mesh = np.zeros((100, 3)), np.zeros((10, 4), np.int64)
     for number in range(4):
-        tetcache.store(f"key{number}", mesh)
+        tetcache.keep(f"key{number}", mesh)
         path = cache / "small" / "tets" / f"key{number}.npz"
         if path.exists():
             os.utime(path, (number, number))
@@ -101,7 +123,7 @@ def test_old_entries_go_when_the_cache_grows(cache, monkeypatch) -> None:
 def test_a_cache_that_cannot_be_written_does_no_harm(tmp_path, monkeypatch) -> None:
     (tmp_path / "file").write_text("in the way")
     monkeypatch.setenv("CSGMESH_CACHE", str(tmp_path / "file"))
-    tetcache.store("key", (np.zeros((1, 3)), np.zeros((1, 4), np.int64)))
+    tetcache.keep("key", (np.zeros((1, 3)), np.zeros((1, 4), np.int64)))
     assert tetcache.load("key") is None
 
 
