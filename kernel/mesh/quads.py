@@ -18,6 +18,7 @@ from kernel.mesh.repair import repaired
 from kernel.mesh.smoothing import smooth_and_mend
 from kernel.mesh.triangles import compact
 from kernel.numeric.coarsen import pair_edges
+from kernel.numeric.join_lone import join_lone
 from kernel.numeric.match import match_triangles
 from kernel.numeric.split import given_middles, midpoint_split
 
@@ -93,13 +94,14 @@ def _split_coarse(
         return None
     corner, twin, lock, leaving = triangulation.half_edges
     n_triangle = triangulation.n_triangle
+    mate = match_triangles(nodes, corner, twin, lock, n_triangle, _LEAST_PAIR, _PATH_DEPTH)
+    join_lone(nodes, corner, twin, lock, leaving, mate, n_triangle)
     middles = np.ascontiguousarray(pairs[:, 2])
     middle_of = given_middles(corner, twin, leaving, coarse.start, coarse.end, middles, n_triangle)
     is_used = is_kept.copy()
     is_used[middle_of[middle_of >= 0]] = True
     if not is_used.all():
         return None
-    mate = match_triangles(nodes, corner, twin, lock, n_triangle, _LEAST_PAIR, _PATH_DEPTH)
     node_of = np.concatenate([kept, np.arange(n_point, n_point + len(nodes) - len(kept), dtype=np.int32)])
     nodes, quads = midpoint_split(nodes, points, node_of, corner, twin, mate, middle_of, n_triangle)
     smooth_and_mend(nodes, quads, np.arange(len(nodes)) < n_point)

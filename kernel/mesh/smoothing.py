@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from kernel.numeric.smooth_quads import smooth_quads
 from kernel.numeric.turn_edges import turn_edges
 
-_SMOOTHING = (4, 3, 4, 0.97, 0.85, 0.9, 0.8, 2)
+_SMOOTHING = (4, 3, 4, 0.97, 0.85, 0.9, 0.92, 2)
 _AFTER_MENDING = (2, 3, 4, 0.8, 0.85, 0.9, 0.8, 1)
 """n_pass, n_bisect, n_search, active_under, good_enough, bisect_under, search_under and n_ring of smooth_quads, found
 by trial on plates with holes."""

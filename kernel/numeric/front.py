@@ -28,6 +28,8 @@ from kernel.numeric.size_grid import bilinear, size_grid
 
 _NODE_CLEARANCE = 0.7
 _EDGE_CLEARANCE = 0.6
+_TAKEN = 0.45
+"""A candidate this near to a node, before the field has turned it, is refused without further questions."""
 _QUARTER = math.pi / 2
 _FINEST_BIN = 3
 _COARSEST_BIN = -3
@@ -88,6 +90,19 @@ def _is_inside_and_free(
                     elif distance2 < nearest2 * (1 + 1e-9) and abs(off) > abs(side):
                         side = off
     return side > 0
+
+
+@compiled
+def _is_taken(x, y, reach, nodes, head, successor, x0, y0, side, n_x):
+    """True where a node lies within `reach` of (x, y), well inside the grid: most candidates are refused by this."""
+    for j in range(int((y - reach - y0) / side), int((y + reach - y0) / side) + 1):
+        for i in range(int((x - reach - x0) / side), int((x + reach - x0) / side) + 1):
+            m = head[j * n_x + i]
+            while m >= 0:
+                if (nodes[m, 0] - x) ** 2 + (nodes[m, 1] - y) ** 2 < reach * reach:
+                    return True
+                m = successor[m]
+    return False
 
 
 @compiled
@@ -197,12 +212,19 @@ def grow_front(points, start, end, kind, order, size, dominant_cos, dominant_sin
         step = size
         if is_graded:
             step = bilinear(px, py, wanted, fine, x0, y0, fine_x, fine_y)
+        along_x = step * math.cos(angles[p])
+        along_y = step * math.sin(angles[p])
         for d in range(4):
-            arm = angles[p] + d * _QUARTER
-            x = px + step * math.cos(arm)
-            y = py + step * math.sin(arm)
+            x = px + along_x
+            y = py + along_y
+            along_x, along_y = -along_y, along_x
+            if x < x0 + size or y < y0 + size or x >= x0 + (n_x - 1) * size or y >= y0 + (n_y - 1) * size:
+                continue
+            if _is_taken(x, y, _TAKEN * step, nodes, head, successor, x0, y0, side, bin_x):
+                continue
             if p >= n_point:  # half way the field may have turned: take the arm from there
                 middle = cross_angle(0.5 * (px + x), 0.5 * (py + y), field_cos, field_sin, size, x0, y0, n_x, n_y)
+                arm = angles[p] + d * _QUARTER
                 arm = middle + _QUARTER * np.rint((arm - middle) / _QUARTER)
                 x = px + step * math.cos(arm)
                 y = py + step * math.sin(arm)

@@ -18,6 +18,16 @@ import numpy as np
 
 from kernel.numeric.compiled import compiled
 
+_MOST_ABOUT = 16
+"""Nodes of more quads stay where they are."""
+_FIRST_STEP = 0.2
+_STEPS = 5
+_DIRECTIONS = 8
+_TURN = 0.3
+"""The pattern search: first step as a share of an edge, tries, directions, and the turn of these from try to try."""
+_ANGLES = np.arange(_DIRECTIONS) * math.pi / 4 + _TURN * np.arange(_STEPS)[:, None]
+_COSINES = np.cos(_ANGLES)
+_SINES = np.sin(_ANGLES)
 _RATIO_WEIGHT = 1.5
 """The pattern search weighs aspect less than angles: a rectangle of 1 to 2.6 counts as a corner of 45 degrees."""
 
@@ -96,66 +106,87 @@ def quad_sines(nodes, quads):
 
 
 @compiled
-def worst_ratio_about(nodes, quads, offset, incidence, v, x, y):
-    """Worst mean ratio of the corners about node v if it stood at x, y (the corner opposite v does not change)."""
-    worst = 2.0
-    for w in range(offset[v], offset[v + 1]):
-        i = incidence[w] // 4
-        j = incidence[w] % 4
+def _gather(nodes, quads, offset, incidence, v, star):
+    """The quads v, a, b, c about node v as rows ax ay bx by cx cy of star; their number, 0 where they are too many."""
+    n = offset[v + 1] - offset[v]
+    if n > len(star):
+        return 0
+    for k in range(n):
+        place = incidence[offset[v] + k]
+        i = place // 4
+        j = place % 4
         a = quads[i, (j + 1) % 4]
         b = quads[i, (j + 2) % 4]
         c = quads[i, (j + 3) % 4]
-        ax = nodes[a, 0]
-        ay = nodes[a, 1]
-        bx = nodes[b, 0]
-        by = nodes[b, 1]
-        cx = nodes[c, 0]
-        cy = nodes[c, 1]
-        worst = min(worst, _corner_ratio(cx, cy, x, y, ax, ay))
-        worst = min(worst, _corner_ratio(x, y, ax, ay, bx, by))
-        worst = min(worst, _corner_ratio(bx, by, cx, cy, x, y))
+        star[k, 0] = nodes[a, 0]
+        star[k, 1] = nodes[a, 1]
+        star[k, 2] = nodes[b, 0]
+        star[k, 3] = nodes[b, 1]
+        star[k, 4] = nodes[c, 0]
+        star[k, 5] = nodes[c, 1]
+    return n
+
+
+@compiled
+def _worst_ratio(star, n, x, y, floor):
+    """Worst mean ratio of the corners about a node if it stood at x, y (the ones opposite do not change).
+
+    What is found first at or under `floor` is returned as it is: such a place is of no use.
+    """
+    worst = 2.0
+    for k in range(n):
+        worst = min(worst, _corner_ratio(star[k, 4], star[k, 5], x, y, star[k, 0], star[k, 1]))
+        worst = min(worst, _corner_ratio(x, y, star[k, 0], star[k, 1], star[k, 2], star[k, 3]))
+        worst = min(worst, _corner_ratio(star[k, 2], star[k, 3], star[k, 4], star[k, 5], x, y))
+        if worst <= floor:
+            return worst
     return worst
 
 
 @compiled
-def worst_shape_about(nodes, quads, offset, incidence, v, x, y):
-    """Worst corner shape of the quads about node v if it stood at x, y (the corner opposite v does not change)."""
+def _worst_shape(star, n, x, y, floor):
+    """Worst corner shape likewise."""
     worst = 2.0
-    for w in range(offset[v], offset[v + 1]):
-        i = incidence[w] // 4
-        j = incidence[w] % 4
-        a = quads[i, (j + 1) % 4]
-        b = quads[i, (j + 2) % 4]
-        c = quads[i, (j + 3) % 4]
-        ax = nodes[a, 0]
-        ay = nodes[a, 1]
-        bx = nodes[b, 0]
-        by = nodes[b, 1]
-        cx = nodes[c, 0]
-        cy = nodes[c, 1]
-        worst = min(worst, corner_shape(cx, cy, x, y, ax, ay))
-        worst = min(worst, corner_shape(x, y, ax, ay, bx, by))
-        worst = min(worst, corner_shape(bx, by, cx, cy, x, y))
+    for k in range(n):
+        worst = min(worst, corner_shape(star[k, 4], star[k, 5], x, y, star[k, 0], star[k, 1]))
+        worst = min(worst, corner_shape(x, y, star[k, 0], star[k, 1], star[k, 2], star[k, 3]))
+        worst = min(worst, corner_shape(star[k, 2], star[k, 3], star[k, 4], star[k, 5], x, y))
+        if worst <= floor:
+            return worst
     return worst
 
 
 @compiled
-def _far_corner(quads, offset, incidence, v, neighbour):
-    """The node next to `neighbour`, other than v, in the quad that has v just after `neighbour`; -1 for none."""
-    for w in range(offset[v], offset[v + 1]):
-        i = incidence[w] // 4
-        j = incidence[w] % 4
-        if quads[i, (j + 3) % 4] == neighbour:
-            return quads[i, (j + 2) % 4]
-    return np.int32(-1)
+def _average(nodes, star, n, v, good_enough):
+    """Move node v towards the mean of its neighbours, parallelograms completed; in place, hardly for the worse."""
+    total_x = 0.0
+    total_y = 0.0
+    for k in range(n):
+        total_x += 0.85 * (star[k, 0] + star[k, 4]) - 0.35 * star[k, 2]
+        total_y += 0.85 * (star[k, 1] + star[k, 5]) - 0.35 * star[k, 3]
+    x = nodes[v, 0]
+    y = nodes[v, 1]
+    to_x = total_x / (1.35 * n)
+    to_y = total_y / (1.35 * n)
+    before = 2.0  # not known yet: a move that is good enough needs no comparison
+    for _attempt in range(3):
+        ratio = _worst_ratio(star, n, to_x, to_y, -1.0)
+        if ratio < good_enough and before == 2.0:
+            before = _worst_ratio(star, n, x, y, -1.0)
+        if ratio >= min(before, good_enough):
+            nodes[v, 0] = to_x
+            nodes[v, 1] = to_y
+            return
+        to_x = 0.5 * (to_x + x)
+        to_y = 0.5 * (to_y + y)
 
 
 @compiled
-def bisect_angles(nodes, quads, offset, incidence, active, n_active, n_pass, under):
-    r"""Move nodes to where their spokes bisect the angles at the far ends; in place, never for the worse.
+def _bisect(nodes, star, n, v, under):
+    r"""Move node v to where its spokes bisect the angles at their far ends; in place, never for the worse.
 
-    Zhou and Shimada 2000, An angle-based approach to two-dimensional mesh smoothing. Only nodes whose worst corner
-    shape is below `under` are tried.
+    Zhou and Shimada 2000, An angle-based approach to two-dimensional mesh smoothing. Only a node whose worst corner
+    shape is below `under` is tried.
 
         left            the spoke from `end` to v should halve the angle at `end` between its
           \             neighbours in the two quads that share it; v goes to the mean of what
@@ -163,54 +194,97 @@ def bisect_angles(nodes, quads, offset, incidence, active, n_active, n_pass, und
           /
         right
     """
-    for _ in range(n_pass):
-        for z in range(n_active):
-            v = active[z]
-            x = nodes[v, 0]
-            y = nodes[v, 1]
-            before = worst_shape_about(nodes, quads, offset, incidence, v, x, y)
-            if before >= under:
-                continue
-            total_x = 0.0
-            total_y = 0.0
-            n_spoke = 0
-            for w in range(offset[v], offset[v + 1]):
-                i = incidence[w] // 4
-                j = incidence[w] % 4
-                end = quads[i, (j + 1) % 4]
-                left = quads[i, (j + 2) % 4]
-                right = _far_corner(quads, offset, incidence, v, end)
-                if right < 0:
-                    continue
-                left_x = nodes[left, 0] - nodes[end, 0]
-                left_y = nodes[left, 1] - nodes[end, 1]
-                right_x = nodes[right, 0] - nodes[end, 0]
-                right_y = nodes[right, 1] - nodes[end, 1]
-                left_length = math.sqrt(left_x * left_x + left_y * left_y)
-                right_length = math.sqrt(right_x * right_x + right_y * right_y)
-                # across the difference of the two unit vectors, on the side of v
-                across_x = right_y / right_length - left_y / left_length
-                across_y = left_x / left_length - right_x / right_length
-                across = math.sqrt(across_x * across_x + across_y * across_y) + 1e-300
-                spoke_x = x - nodes[end, 0]
-                spoke_y = y - nodes[end, 1]
-                spoke = math.sqrt(spoke_x * spoke_x + spoke_y * spoke_y)
-                if across_x * spoke_x + across_y * spoke_y < 0:
-                    spoke = -spoke
-                total_x += nodes[end, 0] + across_x / across * spoke
-                total_y += nodes[end, 1] + across_y / across * spoke
-                n_spoke += 1
-            if n_spoke == 0:
-                continue
-            to_x = total_x / n_spoke
-            to_y = total_y / n_spoke
-            for _attempt in range(2):
-                if worst_shape_about(nodes, quads, offset, incidence, v, to_x, to_y) >= before:
-                    nodes[v, 0] = to_x
-                    nodes[v, 1] = to_y
-                    break
-                to_x = 0.5 * (to_x + x)
-                to_y = 0.5 * (to_y + y)
+    x = nodes[v, 0]
+    y = nodes[v, 1]
+    before = _worst_shape(star, n, x, y, -1.0)
+    if before >= under:
+        return
+    total_x = 0.0
+    total_y = 0.0
+    n_spoke = 0
+    for k in range(n):
+        end_x = star[k, 0]
+        end_y = star[k, 1]
+        other = -1  # the quad on the spoke's other side
+        for m in range(n):
+            if star[m, 4] == end_x and star[m, 5] == end_y:
+                other = m
+        if other < 0:
+            continue
+        left_x = star[k, 2] - end_x
+        left_y = star[k, 3] - end_y
+        right_x = star[other, 2] - end_x
+        right_y = star[other, 3] - end_y
+        left_length = math.sqrt(left_x * left_x + left_y * left_y)
+        right_length = math.sqrt(right_x * right_x + right_y * right_y)
+        # across the difference of the two unit vectors, on the side of v
+        across_x = right_y / right_length - left_y / left_length
+        across_y = left_x / left_length - right_x / right_length
+        across = math.sqrt(across_x * across_x + across_y * across_y) + 1e-300
+        spoke_x = x - end_x
+        spoke_y = y - end_y
+        spoke = math.sqrt(spoke_x * spoke_x + spoke_y * spoke_y)
+        if across_x * spoke_x + across_y * spoke_y < 0:
+            spoke = -spoke
+        total_x += end_x + across_x / across * spoke
+        total_y += end_y + across_y / across * spoke
+        n_spoke += 1
+    if n_spoke == 0:
+        return
+    to_x = total_x / n_spoke
+    to_y = total_y / n_spoke
+    for _attempt in range(2):
+        if _worst_shape(star, n, to_x, to_y, -1.0) >= before:
+            nodes[v, 0] = to_x
+            nodes[v, 1] = to_y
+            return
+        to_x = 0.5 * (to_x + x)
+        to_y = 0.5 * (to_y + y)
+
+
+@compiled
+def _search(nodes, star, n, v, under):
+    """Pattern search for the place where the worst corner shape about node v is best; in place. True if it moved.
+
+    Only a node whose worst corner shape is below `under` is tried.
+    """
+    x = nodes[v, 0]
+    y = nodes[v, 1]
+    best = _worst_shape(star, n, x, y, -1.0)
+    if best >= under:
+        return False
+    step = _FIRST_STEP * math.sqrt((star[0, 0] - x) ** 2 + (star[0, 1] - y) ** 2)
+    for attempt in range(_STEPS):
+        best_x = x
+        best_y = y
+        improved = False
+        for d in range(_DIRECTIONS):
+            to_x = x + step * _COSINES[attempt, d]
+            to_y = y + step * _SINES[attempt, d]
+            shape = _worst_shape(star, n, to_x, to_y, best)
+            if shape > best:
+                best = shape
+                best_x = to_x
+                best_y = to_y
+                improved = True
+        x = best_x
+        y = best_y
+        if not improved:
+            step *= 0.5
+    has_moved = nodes[v, 0] != x or nodes[v, 1] != y
+    nodes[v, 0] = x
+    nodes[v, 1] = y
+    return has_moved
+
+
+@compiled
+def _is_settled(quads, offset, incidence, v, moved_in, number):
+    """True where neither node v nor any node of its quads has moved since v was looked at last."""
+    for w in range(offset[v], offset[v + 1]):
+        for j in range(4):
+            if moved_in[quads[incidence[w] // 4, j]] >= number - 1:
+                return False
+    return True
 
 
 @compiled
@@ -241,64 +315,20 @@ def smooth_quads(
         if is_active[v] != 0 and is_fixed[v] == 0 and offset[v + 1] > offset[v]:
             active[n_active] = v
             n_active += 1
-    for _ in range(n_pass):
+    star = np.empty((_MOST_ABOUT, 6))
+    moved_in = np.full(n_node, -1, np.int32)  # the last pass of the search that moved a node
+    first_search = n_pass + n_bisect
+    for number in range(first_search + n_search):
         for z in range(n_active):
             v = active[z]
-            total_x = 0.0
-            total_y = 0.0
-            for w in range(offset[v], offset[v + 1]):
-                i = incidence[w] // 4
-                j = incidence[w] % 4
-                a = quads[i, (j + 1) % 4]
-                b = quads[i, (j + 2) % 4]
-                c = quads[i, (j + 3) % 4]
-                total_x += 0.85 * (nodes[a, 0] + nodes[c, 0]) - 0.35 * nodes[b, 0]
-                total_y += 0.85 * (nodes[a, 1] + nodes[c, 1]) - 0.35 * nodes[b, 1]
-            x = nodes[v, 0]
-            y = nodes[v, 1]
-            weight = 1.35 * (offset[v + 1] - offset[v])
-            to_x = total_x / weight
-            to_y = total_y / weight
-            before_ratio = 2.0  # not known yet: a move that is good enough needs no comparison
-            for _attempt in range(3):
-                ratio = worst_ratio_about(nodes, quads, offset, incidence, v, to_x, to_y)
-                if ratio < good_enough and before_ratio == 2.0:
-                    before_ratio = worst_ratio_about(nodes, quads, offset, incidence, v, x, y)
-                if ratio >= min(before_ratio, good_enough):
-                    nodes[v, 0] = to_x
-                    nodes[v, 1] = to_y
-                    break
-                to_x = 0.5 * (to_x + x)
-                to_y = 0.5 * (to_y + y)
-    bisect_angles(nodes, quads, offset, incidence, active, n_active, n_bisect, bisect_under)
-    for _ in range(n_search):
-        for z in range(n_active):
-            v = active[z]
-            x = nodes[v, 0]
-            y = nodes[v, 1]
-            best = worst_shape_about(nodes, quads, offset, incidence, v, x, y)
-            if best >= search_under:
+            if number > first_search and _is_settled(quads, offset, incidence, v, moved_in, number):
                 continue
-            w = offset[v]
-            a = quads[incidence[w] // 4, (incidence[w] % 4 + 1) % 4]
-            step = 0.2 * math.hypot(nodes[a, 0] - x, nodes[a, 1] - y)
-            for attempt in range(5):
-                best_x = x
-                best_y = y
-                improved = False
-                for d in range(8):
-                    direction = d * math.pi / 4 + 0.3 * attempt
-                    to_x = x + step * math.cos(direction)
-                    to_y = y + step * math.sin(direction)
-                    shape = worst_shape_about(nodes, quads, offset, incidence, v, to_x, to_y)
-                    if shape > best:
-                        best = shape
-                        best_x = to_x
-                        best_y = to_y
-                        improved = True
-                x = best_x
-                y = best_y
-                if not improved:
-                    step *= 0.5
-            nodes[v, 0] = x
-            nodes[v, 1] = y
+            n = _gather(nodes, quads, offset, incidence, v, star)
+            if n == 0:
+                continue
+            if number < n_pass:
+                _average(nodes, star, n, v, good_enough)
+            elif number < first_search:
+                _bisect(nodes, star, n, v, bisect_under)
+            elif _search(nodes, star, n, v, search_under):
+                moved_in[v] = number

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from kernel.mesh.smoothing import smooth
 from kernel.numeric.match import quad_scaled_jacobian
-from kernel.numeric.smooth_quads import quad_sines
+from kernel.numeric.smooth_quads import quad_sines, smooth_quads
 
 FEW = settings(max_examples=40, deadline=None, derandomize=True)
 
@@ -49,3 +49,10 @@ def test_scaled_jacobian_of_known_quads() -> None:
     assert quad_scaled_jacobian(0.0, 0.0, 1.0, 0.0, 1.0, 1.0, 0.0, 1.0) == 1
     assert abs(quad_scaled_jacobian(0.0, 0.0, 2.0, 0.0, 3.0, 1.0, 1.0, 1.0) - np.sqrt(0.5)) < 1e-15
     assert quad_scaled_jacobian(0.0, 0.0, 1.0, 0.0, 0.2, 0.2, 0.0, 1.0) < 0
+
+
+def test_the_pattern_search_moves_the_middle_of_a_star_home() -> None:
+    nodes, quads, is_rim = grid(2)
+    nodes[~is_rim] += [0.3, -0.35]
+    smooth_quads(nodes, quads, is_rim.astype(np.uint8), 0, 0, 6, 0.97, 0.85, 0.9, 2.0, 1)
+    assert quad_sines(nodes, quads).min() > 0.98
