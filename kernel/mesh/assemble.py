@@ -33,12 +33,14 @@ from kernel.mesh.beams import mesh_beams
 from kernel.mesh.bricks import mesh_bricks
 from kernel.mesh.curve_choice import choose_curves
 from kernel.mesh.faces import CurvesByFace, FaceMesh, SeededCurve, curves_by_face, mesh_face, odd_seeds_note
+from kernel.mesh.layers import host_wishes
 from kernel.mesh.mesh import ElementBlock, Mesh
 from kernel.mesh.meshed import Meshed
 from kernel.mesh.nodes import NodeTable
 from kernel.mesh.options import MeshOptions
+from kernel.mesh.planar import GROWTH
 from kernel.mesh.second_order import raise_order
-from kernel.mesh.seeding import SeedRules, growth_rate, seed_curves
+from kernel.mesh.seeding import SeedRules, growth_rate, refuse_too_fine, seed_curves
 from kernel.mesh.size_field import plan_sizes
 from kernel.mesh.ties import make_ties
 from kernel.segment.segments import Segment
@@ -91,6 +93,7 @@ def assemble(
     hung = hung_curves(parts.topology, pieces, hangings)
     chosen = choose_curves(options, parts, pieces, evaluated)
     growth = None if options.growth is None else growth_rate(options.growth)
+    hosted = host_wishes(parts, pieces, sizes, options.layers, evaluated.size) if options.layers else {}
     curves = seed_curves(
         parts.topology,
         pieces,
@@ -98,11 +101,12 @@ def assemble(
         {wall.index: sizes[wall.segment.id] for wall in parts.walls.values()},
         nodes,
         hung,
-        SeedRules(chosen.walls, growth, options.per_circle),
+        SeedRules({**hosted, **chosen.walls}, growth, options.per_circle),
     )
+    refuse_too_fine(curves, growth)
     blocks: dict[str, list[ElementBlock]] = {segment.id: [] for segment in segments}
     by_face = curves_by_face(curves)
-    faces = _mesh_faces(parts, by_face, sizes, options.faces, growth, nodes, report)
+    faces = _mesh_faces(parts, by_face, sizes, options.faces, growth, options.layers, nodes, report)
     for name, face in faces.items():
         blocks[name] += _blocks(name, face)
     bricks = mesh_bricks(parts, by_face, faces, sizes, options, chosen, nodes, evaluated.frame, report)
@@ -225,14 +229,17 @@ def _mesh_faces(
     sizes: dict[str, float],
     kind: str,
     growth: float | None,
+    layers: int | None,
     nodes: NodeTable,
     report: Progress,
 ) -> dict[str, FaceMesh]:
     faces = {}
+    hosting = {wall.segment.id for wall, _ in parts.hosts.values()}
     for number, (name, wall) in enumerate(parts.walls.items(), start=1):
         label = f"{name} ({wall.segment.node})"
         own = by_face[wall.index]
-        face = faces[name] = mesh_face(label, wall.index, wall.sheet, own, sizes[name], kind, nodes, growth)
+        rate = growth if layers is None or name not in hosting else min(growth or GROWTH, 1 / layers)
+        face = faces[name] = mesh_face(label, wall.index, wall.sheet, own, sizes[name], kind, nodes, rate)
         parts.warnings += odd_seeds_note(label, own, kind, len(face.triangles), "triangles")
         report(name, 0.2 + 0.6 * number / len(parts.walls))
     return faces

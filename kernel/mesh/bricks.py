@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -17,13 +16,14 @@ from kernel.idealise.walls import Wall
 from kernel.mesh.curve_choice import ChosenCurves
 from kernel.mesh.elements import ELEMENT_KINDS
 from kernel.mesh.faces import CurvesByFace, FaceMesh, curve_middles
+from kernel.mesh.layers import layered_size, level_wishes
 from kernel.mesh.mesh import ElementBlock
 from kernel.mesh.method import not_a_stack, place_text, swept_text
 from kernel.mesh.nodes import NodeTable
 from kernel.mesh.options import MeshOptions
 from kernel.mesh.region import RegionMesh
 from kernel.mesh.section import UnfitSection, mesh_section
-from kernel.mesh.seeding import CurveWish, SeedRules, growth_rate
+from kernel.mesh.seeding import SeedRules, growth_rate
 from kernel.mesh.sweep import LevelWish, divide_levels, sweep
 from kernel.segment.segments import Segment
 
@@ -64,6 +64,8 @@ def mesh_bricks(
     and a brick cannot be swept; or the tetrahedra failed.
     """
     meshes: dict[str, BrickMesh] = {}
+    if options.layers is not None and not any(segment.type == "brick" for segment in parts.segments.values()):
+        parts.warnings.append("layers: no segment is a brick, so there is nothing to have layers")
     why: dict[str, str] = {}
     growth = None if options.growth is None else growth_rate(options.growth)
     for number, group in enumerate(parts.sweeps):
@@ -74,8 +76,11 @@ def mesh_bricks(
         except MeshError as error:
             place = f" near {place_text(frame @ error.at)}" if isinstance(error, UnfitSection) else ""
             why.update({brick.segment.id: error.message + place for brick in group.bricks})
+            if number in chosen.sections or number in chosen.rises:
+                names = ", ".join(brick.segment.id for brick in group.bricks)
+                parts.warnings.append(f"{names}: what is asked of its curves does not hold for tetrahedra")
             continue
-        wishes = _level_wishes(group, chosen.rises.get(number, {}), options.layers)
+        wishes = level_wishes(group, chosen.rises.get(number, {}), options.layers)
         meshes.update(_sweep_group(group, section, size, wishes, nodes, frame))
     for name, segment in parts.segments.items():
         is_left_out = name in parts.absorbed or (parts.only is not None and name not in parts.only)
@@ -85,8 +90,12 @@ def mesh_bricks(
                 raise MeshError(f"{name} ({segment.node}) cannot be meshed with hexahedra only: {reason}")
             if name in why:
                 parts.warnings.append(f"{name} ({segment.node}) is not swept but meshed with tetrahedra: {reason}")
+            size = sizes[name]
+            if options.layers is not None:
+                size, told = layered_size(segment, size, options.layers, frame)
+                parts.warnings += [told] if told else []
             report(f"{name} tetrahedra", 0.8)
-            meshes[name] = _tetrahedra(segment, sizes[name], options.deadline, nodes, f"tetrahedra: {reason}")
+            meshes[name] = _tetrahedra(segment, size, options.deadline, nodes, f"tetrahedra: {reason}")
     return meshes
 
 
@@ -143,22 +152,6 @@ def _host_section(parts: Parts, wall: Wall, curves: CurvesByFace, face: FaceMesh
 
 
 # ---------------------------------------------------------------- sweeping
-
-
-def _level_wishes(
-    group: SweepGroup, rises: Mapping[tuple[float, float], CurveWish], layers: int | None
-) -> list[LevelWish]:
-    """What the user asks of the levels: by the edges along the sweep that he names, and by layers through a piece."""
-    wishes = []
-    for (start, end), wish in rises.items():
-        if wish.count is not None:
-            wishes.append(LevelWish(start, end, count=wish.count))
-        elif wish.size is not None:
-            wishes.append(LevelWish(start, end, least=math.ceil((end - start) / wish.size * (1 - 1e-9))))
-    if layers is not None:
-        pieces = [piece for brick in group.bricks for piece in brick.pieces]
-        wishes += [LevelWish(piece.start, piece.end, least=layers) for piece in pieces]
-    return wishes
 
 
 def _sweep_group(

@@ -25,7 +25,7 @@ from kernel.idealise.parts import Parts
 from kernel.idealise.topology import Curve
 from kernel.mesh.curve_items import WALLS, AnyItem, CurveItem, StraightItem, items_of, on_surfaces
 from kernel.mesh.curve_names import point_of
-from kernel.mesh.options import MeshOptions
+from kernel.mesh.options import MOST_COUNTED, MeshOptions
 from kernel.mesh.seeding import CurveWish
 from kernel.segment.addresses import depth, is_under, node_of, segments_of
 from kernel.solid.solid import Solid
@@ -146,6 +146,11 @@ class _Choice:
             others = " or ".join(f"{item.name}&{seat.wall.segment.id}" for seat in self._parts.seats[item.name])
             raise OptionError(
                 f"{what}: {self._called(item.name)} lies along a wall, whose nodes it follows; expected {others}"
+            )
+        if not is_count and item.length / value > MOST_COUNTED:
+            raise OptionError(
+                f"{what} is {value:.4g}, but the curve through {self._at(item)} is {item.length:.4g} long: expected "
+                f"{item.length / MOST_COUNTED:.2g} or more"
             )
         if is_count and isinstance(item, CurveItem) and len(item.places) == 2 and value < LEAST_ROUND:
             raise OptionError(

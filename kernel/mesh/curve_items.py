@@ -68,6 +68,11 @@ class CurveItem(Item):
     ends: tuple[tuple[float, float], ...] = ()
     shifts: Array = field(default_factory=lambda: np.zeros((1, 3)))
 
+    @property
+    def length(self) -> float:
+        """All round, where it is closed."""
+        return sum(end - start for start, end in self.ends)
+
     def distance(self, point: Array) -> float:
         """From a point (3,)."""
         assert self.carrier is not None
@@ -93,6 +98,11 @@ class StraightItem(Item):
     group: int = 0
     span: tuple[float, float] = (0.0, 0.0)
     lines: Array = field(default_factory=lambda: np.empty((0, 2, 3)))
+
+    @property
+    def length(self) -> float:
+        """Of one of the lines."""
+        return float(np.linalg.norm(self.lines[0, 1] - self.lines[0, 0]))
 
     def distance(self, point: Array) -> float:
         """From a point (3,)."""
@@ -176,19 +186,19 @@ def _samples(topology: Topology, curve: Curve) -> Array:
 
 def _merged(curves: Sequence[Curve], topology: Topology) -> list[tuple[int, ...]]:
     """The places of all curves in order, the halves of a closed curve that at most one thing meets together."""
-    meeting: dict[int, int] = {}
-    on_closed: dict[int, list[int]] = {}
+    meeting: dict[int, set[int]] = {}
+    on_closed: dict[tuple[int, tuple[int, ...]], list[int]] = {}  # where walls are meshed apart each has its own halves
     for place, curve in enumerate(curves):
         for vertex in curve.vertices:
-            meeting[vertex] = meeting.get(vertex, 0) + 1
+            meeting.setdefault(vertex, set()).add(curve.carrier)
         if topology.carrier(curve.carrier).period is not None:
-            on_closed.setdefault(curve.carrier, []).append(place)
+            on_closed.setdefault((curve.carrier, tuple(sorted(curve.uses))), []).append(place)
     partner: dict[int, int] = {}
-    for carrier, places in on_closed.items():
+    for (carrier, _), places in on_closed.items():
         period = topology.carrier(carrier).period
         assert period is not None
         is_whole = len(places) == 2 and sum(curves[p].length for p in places) > period - 2 * topology.tolerance
-        if is_whole and min(meeting[vertex] for vertex in curves[places[0]].vertices) == 2:
+        if is_whole and min(len(meeting[vertex]) for vertex in curves[places[0]].vertices) == 1:
             partner[places[0]], partner[places[1]] = places[1], -1
     return [(p,) if p not in partner else (p, partner[p]) for p in range(len(curves)) if partner.get(p) != -1]
 

@@ -22,6 +22,8 @@ LEAST = 1 / 40
 """But never shorter than this share of the size asked for: narrower gaps get stretched elements."""
 GROWTH = 0.25
 """Growth of the size per unit of length along a curve."""
+STEEP = 1e-9
+"""A size that changes by less than this share from sample to sample is constant."""
 ROUNDING = 1e-6
 """A whole number of elements that is exceeded by less than this is still enough."""
 SAMPLES_PER_SIZE = 4
@@ -51,11 +53,16 @@ class SampledCurve:
 
 
 def gap_sizes(
-    curves: Sequence[SampledCurve], period: float | None = None, growth: float = GROWTH, per_gap: float = PER_GAP
+    curves: Sequence[SampledCurve],
+    period: float | None = None,
+    growth: float = GROWTH,
+    per_gap: float = PER_GAP,
+    least: float = LEAST,
 ) -> list[NDArray[np.float64]]:
     """Wanted size at each curve's samples, (n,) each. period: of the first coordinate, on unrolled cylinders.
 
-    growth: of the size per unit of length; per_gap: largest share of a gap that an element may have.
+    growth: of the size per unit of length. per_gap: largest share of a gap that an element may have; least: share of
+    the size asked for under which no gap makes it fall.
     """
     points = np.concatenate([curve.points for curve in curves])
     along = np.concatenate([curve.along for curve in curves])
@@ -83,7 +90,7 @@ def gap_sizes(
         reach,
         float(period or 0.0),
     )
-    sizes = np.minimum(size, np.maximum(per_gap * gap, LEAST * size))
+    sizes = np.minimum(size, np.maximum(per_gap * gap, least * size))
     grade_across(points, sizes, float(size.max()) / PER_GAP / 4, growth)
     grade_along(sizes, along, curve_of, first, last, len(names), growth)
     return np.split(sizes, np.cumsum(counts)[:-1])
@@ -97,11 +104,20 @@ def divide(
     is_bound: no element is longer than the size there; else the number that is nearest to it is taken.
     """
     step = np.diff(along)
-    elements = np.concatenate([[0.0], np.cumsum(step * 0.5 * (1 / sizes[1:] + 1 / sizes[:-1]))])
+    slope = np.diff(sizes) / step  # of the size, which is linear between two samples
+    steep = np.abs(slope) * step > STEEP * sizes[:-1]
+    inside = step / sizes[:-1]
+    inside[steep] = np.log(sizes[1:] / sizes[:-1])[steep] / slope[steep]
+    elements = np.concatenate([[0.0], np.cumsum(inside)])
     unit = 2 if is_even else 1
     wanted = math.ceil(elements[-1] / unit - ROUNDING) if is_bound else round(elements[-1] / unit)
     count = max(least, unit * wanted, 1)
     if is_even:
         count += count % 2
     inner = elements[-1] * np.arange(1, count) / count
-    return np.interp(inner, elements, along)
+    row = np.clip(np.searchsorted(elements, inner, side="right") - 1, 0, len(step) - 1)
+    beyond = inner - elements[row]
+    far = sizes[row] * beyond
+    bent = steep[row]
+    far[bent] = sizes[row][bent] * np.expm1(slope[row][bent] * beyond[bent]) / slope[row][bent]
+    return along[row] + far

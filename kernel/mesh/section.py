@@ -17,7 +17,7 @@ too fine or too coarse for the other.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -89,10 +89,11 @@ def mesh_section(
     curves = _seeded(section, sheet, size, nodes, rules)
     by_cell = curves_by_face(curves)
     growth = rules.rate if rules.spreads else None
+    widths = {ring.cell: ring.radii[1] - ring.radii[0] for ring in _tied_rings(section.topology, section.curves)}
     meshes = []
     for cell in range(len(section.cells)):
         own = by_cell.get(cell, [])
-        across = size if rules.layers is None else min(size, _longest_edge(own, nodes.points))
+        across = size if rules.layers is None else min(size, _layer_size(cell, own, widths, rules.layers, nodes.points))
         meshes.append(mesh_face(name, cell, sheet, own, across, faces, nodes, growth))
     notes = odd_seeds_note(name, curves, faces, sum(len(mesh.triangles) for mesh in meshes), "columns of wedges")
     meshed = _joined(meshes, sheet, nodes.points, curve_middles(section.topology, curves), notes)
@@ -102,7 +103,12 @@ def mesh_section(
     return meshed
 
 
-def _longest_edge(curves: Sequence[SeededCurve], points: Array) -> float:
+def _layer_size(
+    cell: int, curves: Sequence[SeededCurve], widths: Mapping[int, float], layers: int, points: Array
+) -> float:
+    """The size within a cell: of its layers in a ring, else no larger than the edges, which follow the gaps."""
+    if cell in widths:
+        return widths[cell] / layers
     return max(float(np.linalg.norm(np.diff(points[seeded.nodes], axis=0), axis=1).max()) for seeded in curves)
 
 

@@ -179,6 +179,8 @@ def test_a_brick_is_divided_round_its_section_and_along_its_sweep():
             {"seeds": {"60,72,3": 8, "60,48,3": 10}},
             r"are both of the curve through .* expected one of 8 and 10",
         ),
+        (DRILLED, {"curve_sizes": {"HOLE1": 1e-6}}, "is 75.4 long: expected 0.00075 or more"),
+        (DRILLED, {"seeds": {"HOLE1": 100_000}, "growth": 1.005}, r"edges would give about 2e\+07 elements"),
         (TABLE, {"seeds": {"LEG1": 0}}, "expected a whole number"),
     ],
 )

@@ -1,0 +1,123 @@
+"""Layers through bricks: how thin a body is, what size of tetrahedra that asks for, and levels through swept pieces."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kernel.errors import OptionError
+from kernel.idealise.brick import SweepGroup
+from kernel.idealise.parts import Parts
+from kernel.idealise.topology import Curve
+from kernel.mesh.curve_items import WALLS, CurveItem, items_of, on_surfaces
+from kernel.mesh.method import place_text
+from kernel.mesh.seeding import CurveWish, SeedRules
+from kernel.mesh.sweep import LevelWish
+from kernel.mesh.tets import MAX_TETS
+from kernel.segment.segments import Segment
+from kernel.solid.solid import Solid
+
+Array = NDArray[np.float64]
+
+OPPOSITE = math.cos(math.radians(20.0))
+"""Faces whose normals point apart within this angle are two sides of a wall, not of an edge."""
+
+HAIR = 1e-7
+"""Rays start this share of the body's size within it, and hits nearer than twice that are of the face they leave."""
+
+SLIVER = 1e-7
+"""Facets of less than this share of the body's surface tell nothing of its walls."""
+
+TETS_PER_VOLUME = 6.0 * math.sqrt(2.0)
+"""Regular tetrahedra of edge 1 in a volume of 1."""
+
+
+def thinnest_wall(solid: Solid, along: Array | None = None) -> tuple[float, Array]:
+    """(thickness, a point (3,) amid it) of the thinnest place between two faces that look away from each other.
+
+    Infinite where there are none (a cone). Rays go from the middle of every facet straight into the body. along: a
+    direction; walls across it do not count.
+    """
+    facets = solid.facets
+    least, place = math.inf, facets.centroids[0]
+    is_seen = facets.areas > SLIVER * solid.area
+    if along is not None:
+        is_seen &= np.abs(facets.normals @ along) < 0.5
+    rows = np.flatnonzero(is_seen)
+    for row in rows.tolist():
+        normal, centre = facets.normals[row], facets.centroids[row]
+        start = centre - HAIR * solid.size * normal
+        reach = min(least, solid.size) * 1.001
+        for hit in solid.manifold.ray_cast(tuple(start), tuple(start - reach * normal)):
+            there = np.array(hit.position)
+            thickness = float((centre - there) @ normal)
+            if thickness <= 2 * HAIR * solid.size:
+                continue
+            if float(np.array(hit.normal) @ normal) < -OPPOSITE and thickness < least:
+                least, place = thickness, 0.5 * (centre + there)
+            break
+    return least, place
+
+
+def layered_size(segment: Segment, size: float, layers: int, frame: Array) -> tuple[float, str | None]:
+    """(the size, held down so that `layers` tetrahedra stand across the body's thinnest wall; what to tell, or None).
+
+    frame: (3, 3), user's point = frame @ working point. OptionError: that would be more than MAX_TETS tetrahedra.
+    """
+    thickness, place = thinnest_wall(segment.solid)
+    held = thickness / layers
+    if held >= size:
+        return size, None
+    where = f"across its thinnest wall of {thickness:.4g} at {place_text(frame @ place)}"
+    expected = TETS_PER_VOLUME * segment.volume / held**3
+    if expected > MAX_TETS:
+        enough = thickness / (TETS_PER_VOLUME * segment.volume / MAX_TETS) ** (1 / 3)
+        raise OptionError(
+            f"layers: {layers} in {segment.id} ({segment.node}) {where} take about {expected:.2g} tetrahedra, expected "
+            f"at most {MAX_TETS:.2g}" + (f": {math.floor(enough)} layers" if enough >= 1 else "")
+        )
+    told = f"size {size:.6g} is held down to {held:.4g}: {layers} layers of tetrahedra {where}"
+    return held, f"{segment.id} ({segment.node}): {told}"
+
+
+def host_wishes(
+    parts: Parts, curves: Sequence[Curve], sizes: Mapping[str, float], layers: int, reach: float
+) -> dict[int, CurveWish]:
+    """Sizes along the outlines that bricks have in the walls whose elements they continue, so that the layers fit.
+
+    curves: of the walls' topology; the result is by their place. sizes: by segment id. reach: the model's size.
+    """
+    found: dict[int, CurveWish] = {}
+    hosted = [(group.host[0], group) for group in parts.sweeps if group.host is not None]
+    items = [item for item in items_of(parts, curves) if isinstance(item, CurveItem)] if hosted else []
+    for wall, group in hosted:
+        for brick in group.bricks:
+            thickness, _ = thinnest_wall(brick.segment.solid, group.direction)
+            size = SeedRules(layers=layers).per_gap * thickness
+            if size >= sizes[wall.segment.id]:
+                continue
+            for k in on_surfaces(brick.segment.solid, items, reach):
+                if items[k].topology == WALLS and wall.segment.id in items[k].segments:
+                    for place in items[k].places:
+                        known = found.get(place)
+                        found[place] = CurveWish(size=size if known is None else min(size, known.size or size))
+    return found
+
+
+def level_wishes(
+    group: SweepGroup, rises: Mapping[tuple[float, float], CurveWish], layers: int | None
+) -> list[LevelWish]:
+    """What the user asks of the levels: by the edges along the sweep that he names, and by layers through a piece."""
+    wishes = []
+    for (start, end), wish in rises.items():
+        if wish.count is not None:
+            wishes.append(LevelWish(start, end, count=wish.count))
+        elif wish.size is not None:
+            wishes.append(LevelWish(start, end, least=math.ceil((end - start) / wish.size * (1 - 1e-9))))
+    if layers is not None:
+        pieces = [piece for brick in group.bricks for piece in brick.pieces]
+        wishes += [LevelWish(piece.start, piece.end, least=layers) for piece in pieces]
+    return wishes
