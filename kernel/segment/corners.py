@@ -13,6 +13,7 @@ import shapely
 from shapely import STRtree
 
 from kernel.segment.walls import PlaneWall, Wall
+from kernel.solid.fins import without_fins
 from kernel.solid.solid import intersect, subtract
 
 if TYPE_CHECKING:
@@ -51,7 +52,7 @@ def settle_corners(solid: Solid, slabs: list[tuple[Wall, Solid]]) -> list[WallPa
     parts: list[tuple[int, WallPart]] = []
     for index, (wall, slab) in enumerate(slabs):
         for whole in slab.components():
-            own = subtract(whole, losses[index]) if losses[index] else whole
+            own = without_fins(subtract(whole, losses[index])) if losses[index] else whole
             if not own.is_empty and own.volume > EMPTY * volume:
                 parts.append((index, WallPart(wall, own)))
     parts.sort(key=lambda item: rank[item[0]])
@@ -67,7 +68,7 @@ def _without_triples(parts: list[WallPart], losses: list[list[Solid]], volume: f
         common = intersect([parts[later].solid, parts[earlier].solid])
         if common.is_empty or common.volume < 1e-12 * volume:
             continue
-        parts[later] = replace(parts[later], solid=subtract(parts[later].solid, [parts[earlier].solid]))
+        parts[later] = replace(parts[later], solid=without_fins(subtract(parts[later].solid, [parts[earlier].solid])))
     return [part for part in parts if not part.solid.is_empty and part.solid.volume > EMPTY * volume]
 
 

@@ -16,6 +16,7 @@ from shapely import STRtree
 from kernel.segment.shapes import Draft
 from kernel.segment.slabs import most_shared
 from kernel.segment.walls import PlaneWall
+from kernel.solid.fins import without_fins
 from kernel.solid.solid import Solid, subtract, unite
 
 RANK = {"brick": 0, "plate": 1, "cylinder_plate": 1, "beam": 2}
@@ -85,7 +86,7 @@ def _trimmed(draft: Draft, owners: list[Draft]) -> tuple[list[Draft], list[Solid
         return [], []
     if rest.volume > (1.0 - UNTOUCHED) * volume:
         return [draft], []
-    components = rest.components()
+    components = [without_fins(piece) for piece in rest.components()]
     pieces = [piece for piece in components if piece.volume > SLIVER * volume]
     slivers = [piece for piece in components if piece.volume <= SLIVER * volume]
     if len(pieces) > 1 and isinstance(draft.wall, PlaneWall) and all(owner.wall is not None for owner in owners):

@@ -18,15 +18,16 @@ from shapely import Polygon
 from kernel.segment.corners import EMPTY, WallPart, settle_corners
 from kernel.segment.faces import Region, faces_of
 from kernel.segment.slices import parts_of, slice_loops, slice_polygon
-from kernel.segment.walls import LARGE_HOLE, PlaneWall, TubeWall, Wall, find_walls
+from kernel.segment.walls import LARGE_HOLE, PlaneWall, TubeWall, Wall, find_walls, least_radius
+from kernel.solid.fins import without_fins
 from kernel.solid.solid import half_space_cut, intersect, prism, subtract, tube, unite
-from kernel.solid.surfaces import PlaneFrame
+from kernel.solid.surfaces import CylinderSurface, PlaneFrame
 
 if TYPE_CHECKING:
     from kernel.solid.solid import Solid
 
 GROWTH = 1.1
-"""A slab grows by this many thicknesses of the thickest crossing wall, to reach through it."""
+"""A slab grows by this many times what it takes to reach through the crossing wall that takes most, along itself."""
 
 COVER = 0.98
 """Share of a paired region that must be solid half-way between the faces."""
@@ -62,7 +63,7 @@ def decompose(solid: Solid) -> WallDecomposition:
             slabs.append((wall, slab))
     if not slabs:
         return WallDecomposition((), solid.components(), 0.0)
-    parts = settle_corners(solid, slabs)
+    parts = [_as_trimmed(part) for part in settle_corners(solid, slabs)]
     remainder = _less(solid, parts)
     parts, remainder = _give_crumbs(parts, remainder, volume)
     held = sum(part.solid.volume for part in parts)
@@ -78,7 +79,7 @@ def _less(solid: Solid, parts: list[WallPart]) -> list[Solid]:
     rest = subtract(solid, [part.solid for part in parts])
     if rest.is_empty or rest.volume < EMPTY * solid.volume:
         return []
-    return [piece for piece in rest.components() if piece.volume > EMPTY * solid.volume]
+    return [without_fins(piece) for piece in rest.components() if piece.volume > EMPTY * solid.volume]
 
 
 # ---------------------------------------------------------------- slabs
@@ -145,13 +146,21 @@ def _grown(filled: Region, wall: PlaneWall, walls: tuple[Wall, ...]) -> Region:
     crossing = [other for other in walls if other is not wall and not _is_parallel(wall, other)]
     if not crossing:
         return filled
-    growth = GROWTH * max(other.thickness for other in crossing)
+    growth = GROWTH * max(_way_through(wall, other) for other in crossing)
     wide = filled.buffer(growth, join_style="mitre")
     left, low, right, high = wide.bounds
     reach = (right - left) + (high - low)
     centre = np.array([0.5 * (left + right), 0.5 * (low + high)])
     strips = [strip for other in crossing if (strip := _trace(wall, other, centre, reach)) is not None]
     return shapely.union_all([filled, wide.intersection(shapely.union_all(strips))])
+
+
+def _way_through(wall: PlaneWall, other: Wall) -> float:
+    """How far along the wall it goes from where one of its faces enters the other wall to where both have left it."""
+    if isinstance(other, TubeWall):
+        return other.thickness
+    cosine = abs(float(wall.normal @ other.normal))
+    return (other.thickness + wall.thickness * cosine) / float(np.sqrt(1.0 - cosine * cosine))
 
 
 def _filled(solid: Solid, wall: PlaneWall, walls: tuple[Wall, ...], middle: Region) -> Region:
@@ -247,7 +256,7 @@ def _tube_slab(solid: Solid, wall: TubeWall, walls: tuple[Wall, ...]) -> Solid |
     low, high = max(float(along.min()), low - growth), min(float(along.max()), high + growth)
     tolerance = 10.0 * solid.surfaces.tolerance
     fills = (
-        radius.min() > wall.inner_radius - tolerance
+        least_radius(solid, wall.axis) > wall.inner_radius - tolerance
         and radius.max() < wall.outer_radius + tolerance
         and along.min() > low - tolerance
         and along.max() < high + tolerance
@@ -269,6 +278,39 @@ def _holds_face(piece: Solid, wall: TubeWall) -> bool:
     facets = piece.facets
     own = facets.source >= 0
     return all(bool((own & (facets.surface == surface)).any()) for surface in wall.surface_ids)
+
+
+def _as_trimmed(part: WallPart) -> WallPart:
+    """The part, its wall between the faces that it kept: on what it lay, another wall may have won all beneath it."""
+    wall, table = part.wall, part.solid.surfaces
+    if isinstance(wall, PlaneWall):
+        along = part.solid.facets.vertices @ wall.normal
+        bottom, top = max(float(along.min()), wall.bottom), min(float(along.max()), wall.top)
+        low, high = wall.surface_ids
+        if bottom > wall.bottom + table.tolerance:
+            low = _found(table.find_plane(wall.normal, bottom), low)
+        if top < wall.top - table.tolerance:
+            high = _found(table.find_plane(wall.normal, top), high)
+        if (low, high) == wall.surface_ids:
+            return part
+        return replace(part, wall=replace(wall, surface_ids=(low, high), bottom=bottom, top=top))
+    held = faces_of(part.solid).areas
+    coaxial = [
+        (surface.radius, number, side)
+        for number, side in sorted(held)
+        if isinstance(surface := table.surfaces[number], CylinderSurface) and surface.axis_id == wall.axis_id
+    ]
+    inner, low = max(((r, n) for r, n, side in coaxial if side < 0), default=(wall.inner_radius, wall.surface_ids[0]))
+    outer, high = min(((r, n) for r, n, side in coaxial if side > 0), default=(wall.outer_radius, wall.surface_ids[1]))
+    if not wall.inner_radius <= inner < outer <= wall.outer_radius or (low, high) == wall.surface_ids:
+        return part
+    if wall.surface_ids[0] in {n for _, n, _ in coaxial} and wall.surface_ids[1] in {n for _, n, _ in coaxial}:
+        return part  # both faces are there, and something ends against the wall between them
+    return replace(part, wall=replace(wall, surface_ids=(low, high), inner_radius=inner, outer_radius=outer))
+
+
+def _found(number: int | None, otherwise: int) -> int:
+    return otherwise if number is None else number
 
 
 # ---------------------------------------------------------------- crumbs

@@ -50,6 +50,10 @@ MET = 2e-4
 come back empty, and rounding must not decide what the input meets exactly."""
 
 
+CHORD = 1.0 - float(np.cos(np.pi / 90.0))
+"""How far, as a share of the radius, the chord of a circle may come within it: circles are drawn with 96 facets."""
+
+
 SMOOTH = 1e-6
 """Outlines are smoothed by this share of the opening's width before it is measured."""
 
@@ -321,6 +325,21 @@ def enclosing_tube(solid: Solid) -> TubeWall | None:
             if inner_side > 0 or inner.axis_id != outer.axis_id or inner.radius >= outer.radius:
                 continue
             slack = 10.0 * faces.table.tolerance
-            if radius.min() > inner.radius - slack and radius.max() < outer.radius + slack:
+            if least_radius(solid, outer.axis) > inner.radius - slack and radius.max() < outer.radius + slack:
                 return _tube_wall(faces, inner_id, outer_id, [])
     return None
+
+
+def least_radius(solid: Solid, axis: Axis) -> float:
+    """How near the solid's edges come to an axis; chords of circles about it count as those circles."""
+    facets = solid.facets
+    arm = facets.vertices - axis.point
+    flat = np.stack([arm @ axis.x, arm @ axis.y], axis=1)
+    start, end = flat[facets.triangles.ravel()], flat[np.roll(facets.triangles, -1, axis=1).ravel()]
+    along = end - start
+    square = np.maximum(np.einsum("ij,ij->i", along, along), np.finfo(float).tiny)
+    share = np.clip(-np.einsum("ij,ij->i", start, along) / square, 0.0, 1.0)
+    nearest = np.linalg.norm(start + share[:, None] * along, axis=1)
+    ends = np.minimum(np.linalg.norm(start, axis=1), np.linalg.norm(end, axis=1))
+    is_chord = nearest >= ends * (1.0 - CHORD)
+    return float(np.where(is_chord, ends, nearest).min())

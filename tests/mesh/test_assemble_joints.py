@@ -204,8 +204,10 @@ def test_three_walls_share_the_one_line_on_which_they_meet():
     assert np.abs(ends[:, :2]).max() < 1e-6
 
 
-def test_corner_material_of_a_sharp_vee_has_no_elements_but_a_row_in_the_ledger():
-    assembly, _ = assembled(vee(45))
+def test_material_of_a_corner_has_no_elements_but_a_row_in_the_ledger():
+    heel = cube(6, 6, 200)
+    sides = (difference(cube(100, 6, 200), heel), difference(cube(6, 100, 200), heel))
+    assembly, _ = assembled(union(*sides, heel), {"0": "plate", "1": "plate", "2": "beam"})
     assert len(assembly.segments) == 2
     assert any("corner" in row.cause for row in assembly.ledger)
     assert any("no elements" in warning for warning in assembly.warnings)
