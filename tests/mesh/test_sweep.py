@@ -112,3 +112,20 @@ def test_folded_and_flat_sweeps_are_refused() -> None:
         sweep(SECTION, straight, np.array([0.0, 2.0, 1.0]))
     with pytest.raises(MeshError, match="expected at least two"):
         sweep(SECTION, straight, np.array([0.0]))
+
+
+def test_a_fold_among_many_elements_is_found_whatever_the_chunk() -> None:
+    n = 70
+    x, y = np.meshgrid(np.arange(n + 1.0), np.arange(n + 1.0))
+    points = np.column_stack([x.ravel(), y.ravel()])
+    number = np.arange((n + 1) ** 2).reshape(n + 1, n + 1)
+    quads = np.column_stack(
+        [part.ravel() for part in (number[:-1, :-1], number[:-1, 1:], number[1:, 1:], number[1:, :-1])]
+    )
+    flat = RegionMesh(points, quads, np.empty((0, 3), np.int64))
+    nodes, hexes, _ = sweep(flat, straight, np.array([0.0, 1.0, 2.0]))
+    assert len(hexes) == 2 * n * n
+    assert volumes("hex8", nodes, hexes).sum() == pytest.approx(2 * n * n)
+    points[number[60, 60]] += [1.5, 0.0]  # beyond its neighbour
+    with pytest.raises(MeshError, match=r"4 of 9800 swept hex8 elements .* at \(60.\d*, 59.5, 0.5\)"):
+        sweep(flat, straight, np.array([0.0, 1.0, 2.0]))
