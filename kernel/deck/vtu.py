@@ -1,12 +1,14 @@
 """VTK unstructured grid (.vtu) with arrays in base64: segment, thickness, section and couplings for ParaView.
 
 Cell data: `segment` (index into the property table), `property_kind` (0 beam, 1 shell, 2 solid), `thickness` (0 where
-none), `area`. Point data: `coupled` (0 free, 1 independent, 2 dependent). Field data: names in the table's order.
+none), `area`. Point data: `coupled` (0 free, 1 independent, 2 dependent). Field data: `set NAME` for each named CSG
+node and segment, the numbers of its segments.
 """
 
 from __future__ import annotations
 
 import base64
+from collections.abc import Iterator
 from typing import TYPE_CHECKING
 from xml.sax.saxutils import escape, quoteattr
 
@@ -54,6 +56,9 @@ def write(model: Model) -> bytes:
         "-->",
         '<VTKFile type="UnstructuredGrid" version="1.0" byte_order="LittleEndian" header_type="UInt64">',
         "<UnstructuredGrid>",
+        "<FieldData>",
+        *(_array(f"set {name}", numbers, is_field=True) for name, numbers in _sets(model, table)),
+        "</FieldData>",
         f'<Piece NumberOfPoints="{model.mesh.n_node}" NumberOfCells="{len(sizes)}">',
         "<Points>",
         _array("Points", model.mesh.nodes, 3),
@@ -80,6 +85,15 @@ def write(model: Model) -> bytes:
     return ("\n".join(lines) + "\n").encode()
 
 
+def _sets(model: Model, table: dict[str, int]) -> Iterator[tuple[str, NDArray[np.int64]]]:
+    """Of each named set the numbers of the segments that it holds whole, as in the cell data `segment`."""
+    owner = np.concatenate([np.full(len(b.connectivity), table[b.segment]) for b in model.mesh.blocks])
+    size = np.bincount(owner, minlength=len(table))
+    for named in model.sets:
+        inside = np.bincount(owner[named.elements], minlength=len(table))
+        yield printable(named.name), np.flatnonzero((inside == size) & (size > 0))
+
+
 def _coupled(model: Model) -> NDArray[np.int64]:
     state = np.zeros(model.mesh.n_node, dtype=np.int64)
     for coupling in model.couplings:
@@ -94,13 +108,14 @@ def _coupled(model: Model) -> NDArray[np.int64]:
     return state
 
 
-def _array(name: str, values: NDArray[np.generic], components: int = 1) -> str:
+def _array(name: str, values: NDArray[np.generic], components: int = 1, is_field: bool = False) -> str:
     """A DataArray: eight bytes of length, then the little-endian values, in base64."""
     kinds = {"f8": "Float64", "i8": "Int64", "u1": "UInt8"}
     code = values.dtype.str[1:]
     raw = np.ascontiguousarray(values).astype(values.dtype.newbyteorder("<")).tobytes()
     payload = base64.b64encode(len(raw).to_bytes(8, "little") + raw).decode("ascii")
     shape = f' NumberOfComponents="{components}"' if components > 1 else ""
+    shape += f' NumberOfTuples="{len(values)}"' if is_field else ""
     return f'<DataArray type="{kinds[code]}" Name={quoteattr(name)}{shape} format="binary">{payload}</DataArray>'
 
 

@@ -3,19 +3,23 @@
 What mapdl-archive and meshio leave alone (sections, materials, couplings) is compared card by card.
 """
 
+import os
 import re
+import subprocess
+import sys
 from collections import Counter
 
 import gmsh
 import meshio
 import numpy as np
 import pytest
-from cases_to_read import HANDMADE, NAMES, model_named
+from cases_to_read import HANDMADE, NAMES, ROOT, model_named
 from mapdl_archive import Archive
 
 from kernel.connect.mass import section_axes
 from kernel.connect.model import Mpc, Rbe2, Rbe3
-from kernel.deck.deck import format_for
+from kernel.deck.deck import format_for, formats
+from kernel.deck.numbers import fixed_field, free_field
 from kernel.errors import DeckError
 from kernel.mesh.elements import ELEMENT_KINDS
 
@@ -278,10 +282,66 @@ def test_meshio_reads_a_grid_with_its_properties_and_sets(model, tmp_path):
         (MESHIO[block.kind], tuple(sorted(row)), by_segment[block.segment].thickness or 0.0)
         for block, row in rows_of(model)
     )
-    assert len({type(coupling) for coupling in model.couplings}) == 0 or read.point_data["coupled"].max() == 2
+    assert not model.couplings or read.point_data["coupled"].max() == 2
+    segments = np.concatenate(read.cell_data["segment"])
+    for named in model.sets:
+        inside = np.isin(segments, read.field_data[f"set {named.name}"])
+        assert np.count_nonzero(inside) == len(named.elements)
 
 
 def test_every_kind_and_every_coupling_is_among_the_models():
     kinds = {kind for name in NAMES for kind in model_named(name).mesh.count()}
     assert kinds == set(ELEMENT_KINDS)
     assert {type(c) for name in HANDMADE for c in model_named(name).couplings} == {Rbe2, Rbe3, Mpc}
+
+
+# ---------------------------------------------------------------- what holds for every format
+
+
+FORMATS = [known.name for known in formats()]
+
+
+@pytest.mark.parametrize("name", FORMATS)
+def test_each_segments_own_material_reaches_the_deck(name):
+    model = model_named("table on titanium legs")
+    text = format_for("", name).write(model).decode().lower()
+    moduli = {material.elastic_modulus for material in model.materials.values()}
+    assert len(moduli) == 2
+    if name in ("gmsh", "vtu"):  # they hold no materials, but say where each comes from
+        assert all(material.name in text for material in model.materials.values())
+        return
+    for modulus in moduli:
+        assert any(form(modulus).lower() in text for form in (fixed_field, free_field, lambda e: fixed_field(e, 10)))
+
+
+@pytest.mark.parametrize("name", FORMATS)
+def test_the_head_names_model_units_and_rule_base(name):
+    model = model_named("table")
+    head = format_for("", name).write(model).decode()[:3000]
+    if name == "sapiv":  # one heading of 72 characters is all that it has
+        assert head.startswith("CSGMESH TABLE.CSG mm-t-s-N")
+        return
+    assert "model: table.csg" in head and "mm-t-s-N" in head and f"rule base: {model.rule_base}" in head
+
+
+PROGRAM = """
+import hashlib, sys
+from app.pipeline import classify, mesh, read
+from kernel.deck.deck import formats
+from kernel.mesh.options import MeshOptions
+model = mesh(classify(read(sys.argv[1])), MeshOptions(size=100)).model
+print([(known.name, hashlib.sha256(known.write(model)).hexdigest()) for known in formats()])
+"""
+
+
+def test_decks_of_all_formats_are_the_same_whatever_the_hash_seed():
+    """Two processes, so that nothing that hashing orders is shared between them."""
+    table = str(ROOT / "examples" / "table.csg")
+    told = set()
+    for seed in ("1", "77"):
+        environment = {**os.environ, "PYTHONHASHSEED": seed, "PYTHONPATH": str(ROOT)}
+        command = [sys.executable, "-c", PROGRAM, table]
+        done = subprocess.run(command, capture_output=True, text=True, env=environment, check=False)
+        assert done.returncode == 0, done.stderr
+        told.add(done.stdout)
+    assert len(told) == 1

@@ -58,6 +58,12 @@ HANDMADE: dict[str, Callable[[], Model]] = {
     "post on plate, rigid": lambda: post_on_plate("rigid"),
     "block on plate": block_on_plate,
     "lap of plates": lap_of_plates,
+    "bracket of two materials, exact mass": lambda: _meshed(
+        "examples/bracket.csg", MeshOptions(size=12), mass="exact", materials_of={"s1": "aluminium"}
+    ),
+    "table on titanium legs": lambda: _meshed(
+        "examples/table.csg", MeshOptions(size=100), material="titanium", materials_of={"0": "concrete"}
+    ),
 }
 
 NAMES = [*HANDMADE, *MESHED]
@@ -69,4 +75,8 @@ def model_named(name: str) -> Model:
     if name in HANDMADE:
         return HANDMADE[name]()
     path, options = MESHED[name]
-    return mesh(classify(read(str(ROOT / path))), MeshOptions(**options)).model
+    return _meshed(path, MeshOptions(**options))
+
+
+def _meshed(path: str, options: MeshOptions, **more) -> Model:
+    return mesh(classify(read(str(ROOT / path))), options, **more).model
