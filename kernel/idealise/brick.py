@@ -12,8 +12,9 @@ on a plate, swept along the plate's normal, takes the plate's own elements for i
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 import shapely
@@ -56,11 +57,15 @@ class SweptBrick:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class OwnSection:
-    """A section parted into cells. curves: used by the cells, numbered by their place in the list."""
+    """A section parted into cells. curves: used by the cells, numbered by their place in the list.
+
+    bounded: by carrier, the smallest area of an outline that it bounds.
+    """
 
     topology: Topology
     curves: list[Curve]
     cells: list[Cell]
+    bounded: dict[int, float] = field(default_factory=dict)
 
 
 @dataclass(slots=True, eq=False)
@@ -188,7 +193,7 @@ def _make_group(
     if host is not None:
         wall = host[0]
         assert isinstance(wall.sheet, PlaneSheet)
-        bricks, rings = _pieces(topology, segments, wall.sheet)
+        bricks, rings, _ = _pieces(topology, segments, wall.sheet)
         if wall.region.buffer(30 * topology.tolerance).covers(_union(bricks)):
             group = SweepGroup(wall.sheet.normal, wall.sheet, bricks, host=host)
             return group, [Candidate(wall, stretch) for ring in rings for stretch in ring]
@@ -196,30 +201,36 @@ def _make_group(
     start = min(float((segment.solid.facets.vertices @ direction).min()) for segment in segments)
     sheet = plane_sheet_at(direction, start, frame.u, frame.v, segments[0].solid.surfaces)
     own = Topology(topology.tolerance, topology.carriers.reach)
-    bricks, rings = _pieces(own, segments, sheet)
+    bricks, rings, bounded = _pieces(own, segments, sheet)
     feet = []
     for joint in joints:
         for name, other in (joint.segments, joint.segments[::-1]):
             if name in names and other not in names and _across(by_id[name], joint, direction):
                 feet += footprint(own, sheet, by_id[other], joint)
-    return SweepGroup(direction, sheet, bricks, section=_own_section(own, sheet, bricks, rings, feet)), []
+    section = replace(_own_section(own, sheet, bricks, rings, feet), bounded=bounded)
+    return SweepGroup(direction, sheet, bricks, section=section), []
 
 
 def _pieces(
     topology: Topology, segments: Sequence[Segment], sheet: PlaneSheet
-) -> tuple[list[SweptBrick], list[list[Stretch]]]:
-    """The bricks with their pieces along the sheet's normal, and the rings of all outlines, on the sheet."""
+) -> tuple[list[SweptBrick], list[list[Stretch]], dict[int, float]]:
+    """The bricks with their pieces along the sheet's normal, the rings of all outlines, on the sheet, and by carrier
+    the smallest area of an outline that it bounds.
+    """
     bricks, rings = [], []
+    bounded: dict[int, float] = {}
     for segment in segments:
         pieces = []
         for start, end in layers_along(segment.solid, sheet.normal):
             outline, polygon = section_of(topology, segment, sheet, 0.5 * (start + end))
             rings += outline
+            for stretch in itertools.chain.from_iterable(outline):
+                bounded[stretch.carrier] = min(bounded.get(stretch.carrier, polygon.area), polygon.area)
             pieces.append(Piece(start, end, polygon))
         if not pieces:
             raise MeshError(f"{segment.id} ({segment.node}): a swept brick without a section")
         bricks.append(SweptBrick(segment, tuple(pieces)))
-    return bricks, rings
+    return bricks, rings, bounded
 
 
 def _union(bricks: Sequence[SweptBrick], grid: float | None = None) -> PolygonLike:

@@ -133,6 +133,21 @@ def march(a: Surface, b: Surface, start: Array, reach: float) -> tuple[Array, bo
     return np.array(walks[1][:0:-1] + walks[0]), False
 
 
+def _meridian(table: CarrierTable, a: Surface, b: Surface, middle: Array) -> int | None:
+    """Where a plane through its axis cuts a cone (a line) or a torus (a circle), next to `middle`; None elsewhere."""
+    plane, other = (a, b) if isinstance(a, Plane) else (b, a)
+    if not isinstance(plane, Plane) or not isinstance(other, ConeSurface | TorusSurface):
+        return None
+    point, direction = other.axis.point, other.axis.direction
+    if not _is_across(plane.normal, direction) or abs(plane.normal @ point - plane.offset) > table.tolerance:
+        return None
+    if isinstance(other, ConeSurface):
+        return table.line(middle, middle - other.apex)
+    arm = middle - other.centre
+    arm = arm - direction * (arm @ direction)
+    return table.circle(other.centre + other.major_radius * arm / np.linalg.norm(arm), plane.normal, other.minor_radius)
+
+
 def intersection(
     table: CarrierTable, surfaces: list[Surface], first: int, second: int, guide: Array, straight: bool = False
 ) -> int:
@@ -152,6 +167,9 @@ def intersection(
         point, direction = axis
         foot = point + direction * ((middle - point) @ direction)
         return table.circle(foot, direction, float(np.linalg.norm(middle - foot)))
+    meridian = _meridian(table, a, b, middle)
+    if meridian is not None:
+        return meridian
     along = _straight_direction(a, b)
     if along is not None:
         return table.line(middle, along)

@@ -12,17 +12,19 @@ from numpy.typing import NDArray
 from kernel.errors import MeshError
 from kernel.idealise.brick import SweepGroup, SweptBrick
 from kernel.idealise.parts import Parts
+from kernel.idealise.revolved import revolved_brick
 from kernel.idealise.walls import Wall
 from kernel.mesh.curve_choice import ChosenCurves
 from kernel.mesh.elements import ELEMENT_KINDS
 from kernel.mesh.faces import CurvesByFace, FaceMesh, curve_middles
 from kernel.mesh.layers import layered_size, level_wishes
 from kernel.mesh.mesh import ElementBlock
-from kernel.mesh.method import not_a_stack, place_text, swept_text
+from kernel.mesh.method import not_a_stack, place_text, swept_text, turned_text
 from kernel.mesh.nodes import NodeTable
 from kernel.mesh.options import MeshOptions
 from kernel.mesh.region import RegionMesh
-from kernel.mesh.section import UnfitSection, mesh_section
+from kernel.mesh.revolve import mesh_revolved
+from kernel.mesh.section import CHORD_LOSS, UnfitSection, mesh_section
 from kernel.mesh.seeding import SeedRules, growth_rate
 from kernel.mesh.sweep import LevelWish, divide_levels, sweep
 from kernel.segment.segments import Segment
@@ -68,11 +70,12 @@ def mesh_bricks(
         parts.warnings.append("layers: no segment is a brick, so there is nothing to have layers")
     why: dict[str, str] = {}
     growth = None if options.growth is None else growth_rate(options.growth)
+    loss = CHORD_LOSS if options.order == 1 else None
     for number, group in enumerate(parts.sweeps):
         size = min(sizes[brick.segment.id] for brick in group.bricks)
         rules = SeedRules(chosen.sections.get(number, {}), growth, options.per_circle, options.layers)
         try:
-            section = _section_of(parts, group, curves, faces, size, options.faces, rules)
+            section = _section_of(parts, group, curves, faces, size, options.faces, rules, loss)
         except MeshError as error:
             place = f" near {place_text(frame @ error.at)}" if isinstance(error, UnfitSection) else ""
             why.update({brick.segment.id: error.message + place for brick in group.bricks})
@@ -85,6 +88,10 @@ def mesh_bricks(
     for name, segment in parts.segments.items():
         is_left_out = name in parts.absorbed or (parts.only is not None and name not in parts.only)
         if segment.type == "brick" and name not in meshes and not is_left_out:
+            turned = None if options.volumes == "tet" else _turned(parts, segment, sizes[name], options, nodes, frame)
+            if turned is not None:
+                meshes[name] = turned
+                continue
             reason = "asked for" if options.volumes == "tet" else why.get(name) or not_a_stack(segment, frame)
             if options.volumes == "hex":
                 raise MeshError(f"{name} ({segment.node}) cannot be meshed with hexahedra only: {reason}")
@@ -126,13 +133,14 @@ def _section_of(
     size: float,
     kind: str,
     rules: SeedRules,
+    loss: float | None,
 ) -> _Section:
     """The group's own section, or the elements of the wall that it stands on."""
     if group.section is None:
         assert group.host is not None
         return _host_section(parts, group.host[0], curves, faces[group.host[0].segment.id])
     names = ", ".join(f"{brick.segment.id} ({brick.segment.node})" for brick in group.bricks)
-    own = mesh_section(names, group.section, group.sheet, size, kind, rules)
+    own = mesh_section(names, group.section, group.sheet, size, kind, rules, loss)
     parts.warnings += own.notes
     cells = shapely.points([cell.inner_point for cell in group.section.cells])
     return _Section(own.mesh, np.empty(0, np.int64), own.edges, own.middles, cells[own.cell_of])
@@ -236,6 +244,28 @@ def _pairs(group: SweepGroup, brick: SweptBrick, section: _Section, levels: Arra
     level = int(np.argmin(np.abs(levels - float(group.host[1].centre @ group.sheet.normal))))
     points = np.nonzero(at[level] >= 0)[0]
     return np.stack([at[level][points], section.wall_nodes[points]], axis=1)
+
+
+def _turned(
+    parts: Parts, segment: Segment, size: float, options: MeshOptions, nodes: NodeTable, frame: Array
+) -> BrickMesh | None:
+    """A solid of revolution turned about its axis; None where it is none, or would be meshed badly so."""
+    try:
+        brick = revolved_brick(segment, parts.topology.tolerance, parts.topology.carriers.reach)
+        if brick is None:
+            return None
+        body = mesh_revolved(brick, size, options.faces, options.order, options.per_circle)
+    except MeshError as error:
+        parts.warnings.append(f"{segment.id} ({segment.node}) is not turned about its axis: {error.message}")
+        return None
+    numbers = nodes.add(body.nodes)
+    blocks = [
+        ElementBlock(segment.id, kind, numbers[elements])
+        for kind, elements in (("hex8", body.hexes), ("wedge6", body.wedges))
+        if len(elements)
+    ]
+    how = turned_text(brick.axis.direction, [block.kind for block in blocks], body.n_turn, frame)
+    return BrickMesh(tuple(blocks), np.empty((0, 2), np.int64), numbers[body.edges], body.middles, how)
 
 
 def _tetrahedra(segment: Segment, size: float, deadline: float, nodes: NodeTable, how: str) -> BrickMesh:

@@ -20,15 +20,23 @@ ALONG_AXIS = 1e-9
 
 def swept_text(group: SweepGroup, brick: SweptBrick, kinds: Sequence[str], n_layer: int, frame: Array) -> str:
     """`hexahedra swept along z, 12 layers, a stack of 3 prisms`. frame: (3, 3), working frame to the user's."""
-    names = {"hex8": "hexahedra", "wedge6": "wedges"}
-    elements = " and ".join(names[kind] for kind in names if kind in kinds)
-    words = [f"{elements} swept along {axis_text(frame @ group.direction)}"]
+    words = [f"{_elements(kinds)} swept along {axis_text(frame @ group.direction)}"]
     words.append("1 layer" if n_layer == 1 else f"{n_layer} layers")
     if len(brick.pieces) > 1:
         words.append(f"a stack of {len(brick.pieces)} prisms")
     if group.host is not None:
         words.append(f"on the elements of {group.host[0].segment.id}")
     return ", ".join(words)
+
+
+def turned_text(axis: Array, kinds: Sequence[str], n_turn: int, frame: Array) -> str:
+    """`hexahedra turned about z, 48 to a turn`."""
+    return f"{_elements(kinds)} turned about {axis_text(frame @ axis)}, {n_turn} to a turn"
+
+
+def _elements(kinds: Sequence[str]) -> str:
+    names = {"hex8": "hexahedra", "wedge6": "wedges"}
+    return " and ".join(names[kind] for kind in names if kind in kinds)
 
 
 def not_a_stack(segment: Segment, frame: Array) -> str:

@@ -38,6 +38,9 @@ from kernel.mesh.seeding import SeedRules, seed_curves
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
+CHORD_LOSS = 4e-3
+"""Share of a section's area that the chords of linear elements may cut off: the mass is checked to 0.5 %."""
+
 RING_RATIO = 2.0
 """Largest ratio of radii over which circles are divided alike."""
 
@@ -76,16 +79,25 @@ class MeshedSection:
 
 
 def mesh_section(
-    name: str, section: OwnSection, sheet: PlaneSheet, size: float, faces: str, rules: SeedRules | None = None
+    name: str,
+    section: OwnSection,
+    sheet: PlaneSheet,
+    size: float,
+    faces: str,
+    rules: SeedRules | None = None,
+    chord_loss: float | None = None,
 ) -> MeshedSection:
     """All cells meshed with elements of about `size`. name: of the bricks, for errors. faces: "quad" or "tri".
 
-    rules: what the user asks beyond that, wishes by the place in the section's list of curves.
+    rules: what the user asks beyond that, wishes by the place in the section's list of curves. chord_loss: share of the
+    area of each outline that chords of its circles may cut off, None for elements that follow the circles.
 
     MeshError: a cell cannot be meshed; UnfitSection: it can, but badly.
     """
     nodes = NodeTable()  # the section's own: they stay out of the model
     rules = rules or SeedRules()
+    if chord_loss is not None:
+        rules = replace(rules, least=_least_on_circles(section, chord_loss))
     curves = _seeded(section, sheet, size, nodes, rules)
     by_cell = curves_by_face(curves)
     growth = rules.rate if rules.spreads else None
@@ -101,6 +113,20 @@ def mesh_section(
     asked += sum(curve.length for curve in section.curves) / size
     _refuse_unfit(meshed.mesh, sheet, size, math.inf if rules.spreads else asked)
     return meshed
+
+
+def _least_on_circles(section: OwnSection, loss: float) -> dict[int, int]:
+    """Fewest elements on each piece of a circle, by its place: n chords of an arc a cut off r^2 a^3 / 12 n^2, of which
+    the arc's share of a full turn may be a / 2 pi of the loss.
+    """
+    least = {}
+    for place, curve in enumerate(section.curves):
+        circle = section.topology.carrier(curve.carrier)
+        area = section.bounded.get(curve.carrier)
+        if isinstance(circle, Circle) and area:
+            count = curve.length * math.sqrt(math.pi / (6.0 * loss * area))
+            least[place] = 2 * math.ceil(count / 2 - 1e-6)
+    return least
 
 
 def _layer_size(

@@ -54,7 +54,7 @@ def test_a_stack_of_prisms_as_one_brick_is_meshed_with_hexes_alone(name):
     assert set(assembly.mesh.count()) == {"hex8"}
     assert mesh_quality(assembly.mesh)["hex8"]["scaled_jacobian"]["min"] >= 0.5
     assert audit(assembly) == WHOLE
-    assert mesh_volume(assembly) == pytest.approx(evaluated.solid.true_volume, rel=0.012)
+    assert mesh_volume(assembly) == pytest.approx(evaluated.solid.true_volume, rel=0.005)
 
 
 @pytest.mark.parametrize("name", STACKS)
