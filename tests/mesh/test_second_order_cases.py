@@ -17,7 +17,7 @@ from kernel.segment.segments import CylinderShape
 from kernel.solid.surfaces import CylinderSurface, FacetedSurface, Plane, signed_distance
 
 CASES = Path(__file__).parents[1] / "cases"
-SIZES = {"ball": 20.0, "cone_stout": 20.0, "ring_torus": 25.0, "pipe_thick": 20.0}
+SIZES = {"ball": 10.0, "cone_stout": 20.0, "ring_torus": 25.0, "pipe_thick": 20.0}
 """Coarser than the automatic size where there are many elements."""
 
 ROUND = sorted(
