@@ -48,8 +48,12 @@ def faces_on(surface: Surface, groups: Sequence[Indices], points: Array, toleran
         on = np.abs(signed_distance(surface, points[used])) <= tolerance
         rows = group[on[place.reshape(group.shape)].all(axis=1)]
         unbroken, shown = flat_faces(surface, points[rows])
-        corners += list(rows[shown])
-        flat += list(unbroken[shown])
+        for nodes, at in zip(rows[shown], unbroken[shown]):
+            # next to where a chart tears a quad may cross itself in it: its halves do not
+            is_torn = len(at) == 4 and not shapely.Polygon(at).is_valid
+            halves = ([0, 1, 2], [0, 2, 3]) if is_torn else (list(range(len(at))),)
+            corners += [nodes[half] for half in halves]
+            flat += [at[half] for half in halves]
     polygons = np.array([shapely.Polygon(face) for face in flat], dtype=object)
     return SurfaceFaces(surface, tuple(corners), tuple(flat), polygons, shapely.STRtree(polygons))
 

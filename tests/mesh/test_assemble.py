@@ -165,9 +165,11 @@ def test_second_order_puts_middles_on_true_curves_and_into_ties():
 
 
 def test_hexahedra_only_are_refused_where_a_brick_cannot_be_swept():
-    ball = "sphere($fn=0,$fa=6,$fs=1,r=50);"
+    flattened = difference(
+        "sphere($fn=0,$fa=6,$fs=1,r=50);", cube(100, 100, 100, (30, -50, -50)), rod(200, 9, (0, 0, -99))
+    )
     with pytest.raises(MeshError, match=r"s1 \(/\) cannot be meshed with hexahedra only: .* the sphere near \("):
-        assembled(ball, size=20.0, volumes="hex")
+        assembled(flattened, {"/": "brick"}, size=20.0, volumes="hex")
 
 
 def test_a_segments_own_size_holds_along_its_curves():
