@@ -102,7 +102,7 @@ def mesh_section(
     nodes = NodeTable()  # the section's own: they stay out of the model
     rules = rules or SeedRules()
     if chord_loss is not None:
-        rules = replace(rules, least=_least_on_circles(section, chord_loss))
+        rules = replace(rules, fewest=_least_on_circles(section, chord_loss))
     curves = _seeded(section, sheet, size, nodes, rules)
     by_cell = curves_by_face(curves)
     growth = rules.rate if rules.spreads else None

@@ -63,15 +63,15 @@ class CurveWish:
 class SeedRules:
     """How curves are divided. wishes: by the curve's place in the list of curves. growth: of the size per unit of
     length, None for what gaps alone have. per_circle: fewest elements round a full circle, None for the usual.
-    layers: fewest elements across a gap, None for the usual. least: fewest elements by the curve's place, where more
-    are needed than the usual.
+    layers: fewest elements across a gap, None for the usual. fewest: elements by the curve's place, where more are
+    needed than the usual.
     """
 
     wishes: Mapping[int, CurveWish] = field(default_factory=dict)
     growth: float | None = None
     per_circle: int | None = None
     layers: int | None = None
-    least: Mapping[int, int] = field(default_factory=dict)
+    fewest: Mapping[int, int] = field(default_factory=dict)
 
     @property
     def spreads(self) -> bool:
@@ -128,7 +128,7 @@ def seed_curves(
     least = [
         max(
             least_divisions(topology.carrier(curve.carrier), curve.length, size, rules.per_circle),
-            rules.least.get(place, 0),
+            rules.fewest.get(place, 0),
         )
         for place, (curve, size) in enumerate(zip(curves, wanted))
     ]
