@@ -12,7 +12,6 @@ on a plate, swept along the plate's normal, takes the plate's own elements for i
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
@@ -26,6 +25,7 @@ from kernel.idealise.cells import Cell, cells_of, curves_of_cells
 from kernel.idealise.footprints import footprint
 from kernel.idealise.imprints import Candidate, imprint, lay_outlines
 from kernel.idealise.outlines import PolygonLike, Stretch, domain
+from kernel.idealise.roundness import roundness
 from kernel.idealise.sheets import PlaneSheet, plane_sheet_at
 from kernel.idealise.topology import Curve, Topology
 from kernel.idealise.walls import Wall, section_outline
@@ -59,13 +59,13 @@ class SweptBrick:
 class OwnSection:
     """A section parted into cells. curves: used by the cells, numbered by their place in the list.
 
-    bounded: by carrier, the smallest area of an outline that it bounds.
+    roundness: by carrier of a circle, see roundness.py; the largest of the outlines that it bounds.
     """
 
     topology: Topology
     curves: list[Curve]
     cells: list[Cell]
-    bounded: dict[int, float] = field(default_factory=dict)
+    roundness: dict[int, float] = field(default_factory=dict)
 
 
 @dataclass(slots=True, eq=False)
@@ -201,36 +201,36 @@ def _make_group(
     start = min(float((segment.solid.facets.vertices @ direction).min()) for segment in segments)
     sheet = plane_sheet_at(direction, start, frame.u, frame.v, segments[0].solid.surfaces)
     own = Topology(topology.tolerance, topology.carriers.reach)
-    bricks, rings, bounded = _pieces(own, segments, sheet)
+    bricks, rings, round_shares = _pieces(own, segments, sheet)
     feet = []
     for joint in joints:
         for name, other in (joint.segments, joint.segments[::-1]):
             if name in names and other not in names and _across(by_id[name], joint, direction):
                 feet += footprint(own, sheet, by_id[other], joint)
-    section = replace(_own_section(own, sheet, bricks, rings, feet), bounded=bounded)
+    section = replace(_own_section(own, sheet, bricks, rings, feet), roundness=round_shares)
     return SweepGroup(direction, sheet, bricks, section=section), []
 
 
 def _pieces(
     topology: Topology, segments: Sequence[Segment], sheet: PlaneSheet
 ) -> tuple[list[SweptBrick], list[list[Stretch]], dict[int, float]]:
-    """The bricks with their pieces along the sheet's normal, the rings of all outlines, on the sheet, and by carrier
-    the smallest area of an outline that it bounds.
+    """The bricks with their pieces along the sheet's normal, the rings of all outlines, on the sheet, and the circles'
+    roundness by carrier.
     """
     bricks, rings = [], []
-    bounded: dict[int, float] = {}
+    round_shares: dict[int, float] = {}
     for segment in segments:
         pieces = []
         for start, end in layers_along(segment.solid, sheet.normal):
             outline, polygon = section_of(topology, segment, sheet, 0.5 * (start + end))
             rings += outline
-            for stretch in itertools.chain.from_iterable(outline):
-                bounded[stretch.carrier] = min(bounded.get(stretch.carrier, polygon.area), polygon.area)
+            for carrier, share in roundness(topology, sheet, outline, polygon.area).items():
+                round_shares[carrier] = max(round_shares.get(carrier, 0.0), share)
             pieces.append(Piece(start, end, polygon))
         if not pieces:
             raise MeshError(f"{segment.id} ({segment.node}): a swept brick without a section")
         bricks.append(SweptBrick(segment, tuple(pieces)))
-    return bricks, rings, bounded
+    return bricks, rings, round_shares
 
 
 def _union(bricks: Sequence[SweptBrick], grid: float | None = None) -> PolygonLike:

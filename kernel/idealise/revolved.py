@@ -22,6 +22,7 @@ from kernel.idealise.carriers import Circle, Line
 from kernel.idealise.cells import cells_of, curves_of_cells
 from kernel.idealise.imprints import Candidate, imprint, lay_outlines
 from kernel.idealise.outlines import Stretch, domain, polyline
+from kernel.idealise.roundness import roundness
 from kernel.idealise.sheets import PlaneSheet, plane_sheet_at
 from kernel.idealise.topology import Topology
 from kernel.idealise.walls import SEAM_ANGLE, Wall, section_outline
@@ -123,8 +124,8 @@ def revolved_brick(segment: Segment, tolerance: float, reach: float) -> Revolved
     cells = [cell for cell in cells_of(topology, sheet, curves) if _is_outside(cell.inner_point, region, zero + core)]
     if not cells:
         return None
-    bounded = {stretch.carrier: region.area for stretch in face.outline}
-    section = OwnSection(topology, curves_of_cells(curves, cells), cells, bounded)
+    shares = roundness(topology, sheet, rings, region.area)
+    section = OwnSection(topology, curves_of_cells(curves, cells), cells, shares)
     return RevolvedBrick(segment, axis, sheet, section, largest, core, ends)
 
 

@@ -154,16 +154,13 @@ def _worst(mesh: FaceMesh, points: Array) -> float:
 
 
 def _least_on_circles(section: OwnSection, loss: float) -> dict[int, int]:
-    """Fewest elements on each piece of a circle, by its place: n chords of an arc a cut off r^2 a^3 / 12 n^2, of which
-    the arc's share of a full turn may be a / 2 pi of the loss.
-    """
+    """Fewest elements on each piece of a circle, by its place, for outlines to lose at most that share."""
     least = {}
     for place, curve in enumerate(section.curves):
         circle = section.topology.carrier(curve.carrier)
-        area = section.bounded.get(curve.carrier)
-        if isinstance(circle, Circle) and area:
-            count = curve.length * math.sqrt(math.pi / (6.0 * loss * area))
-            least[place] = 2 * math.ceil(count / 2 - 1e-6)
+        if isinstance(circle, Circle) and curve.carrier in section.roundness:
+            per_turn = 2 * math.pi * math.sqrt(section.roundness[curve.carrier] / (12.0 * loss))
+            least[place] = 2 * math.ceil(0.5 * per_turn * curve.length / circle.period - 1e-6)
     return least
 
 
