@@ -109,7 +109,9 @@ def _in_shell(work: Workpiece, found: Found, place: Array, reach: float) -> tupl
     extent = float(np.linalg.norm(np.ptp(work.nodes[corners], axis=0)))
     on = fitted.lift(fitted.flat(place[None]))[0]
     if found.distance > BULGE * extent:
-        _refuse_off(place, found.place, reach, segment)
+        within = fitted.lift(fitted.flat(found.place[None]))[0]
+        _refuse_off(place, within, reach, segment)
+        on = within
     kept = kept_edges(work, segment)
     nearest = _nearest_kept(work, block, found.element, fitted, on, kept)
     if nearest is not None:
@@ -121,8 +123,7 @@ def _in_shell(work: Workpiece, found: Found, place: Array, reach: float) -> tupl
                 f"{at_text(place)} lies {beside:.4g} beside an edge of {segment}, expected a place on it, such as "
                 f"{at_text(foot)}, or further than {TOO_NEAR * length:.4g} from it"
             )
-    _refuse_off(place, found.place if found.distance > reach and found.distance > BULGE * extent else on, reach,
-                f"the mid-surface of {segment}")  # fmt: skip
+    _refuse_off(place, on, reach, f"the mid-surface of {segment}")
     node = int(work.add_nodes(on[None])[0])
     quality = insert_in_patch(work, segment, fitted, node, kept)
     return node, f"{segment}, whose worst element about it has a scaled Jacobian of {quality:.2f}"

@@ -215,3 +215,12 @@ def test_solids_and_free_form_shells_are_refused():
     place = bent[wavy.mesh.blocks[0].connectivity[22]].mean(axis=0)
     with pytest.raises(MeshError, match="s1 is neither plane nor a cylinder"):
         add_node(Edited.of(wavy), place)
+
+
+def test_the_nearest_place_that_is_told_of_a_tube_is_on_its_true_surface():
+    model = tube("quad4")
+    with pytest.raises(OptionError, match=r"the nearest is \(\S+, \S+, \S+\)") as refused:
+        add_node(Edited.of(model), (70 * np.cos(0.4), 70 * np.sin(0.4), 33))
+    told = tuple(float(word) for word in str(refused.value).rpartition("(")[2].rstrip(")").split(","))
+    assert np.hypot(told[0], told[1]) == pytest.approx(50, rel=1e-5)
+    assert node_there(add_node(Edited.of(model), told, tolerance=0.01).model, told) < 0.01
