@@ -32,7 +32,16 @@ from kernel.mesh.beam_ties import beam_stations
 from kernel.mesh.beams import mesh_beams
 from kernel.mesh.bricks import mesh_bricks
 from kernel.mesh.curve_choice import choose_curves
-from kernel.mesh.faces import CurvesByFace, FaceMesh, SeededCurve, curves_by_face, mesh_face, odd_seeds_note
+from kernel.mesh.faces import (
+    CurvesByFace,
+    FaceMesh,
+    FaceTask,
+    SeededCurve,
+    curves_by_face,
+    face_region,
+    mesh_all,
+    odd_seeds_note,
+)
 from kernel.mesh.layers import host_wishes
 from kernel.mesh.mesh import ElementBlock, Mesh
 from kernel.mesh.meshed import Meshed
@@ -233,14 +242,18 @@ def _mesh_faces(
     nodes: NodeTable,
     report: Progress,
 ) -> dict[str, FaceMesh]:
-    faces = {}
+    tasks = []
     hosting = {wall.segment.id for wall, _ in parts.hosts.values()}
-    for number, (name, wall) in enumerate(parts.walls.items(), start=1):
+    for name, wall in parts.walls.items():
         label = f"{name} ({wall.segment.node})"
-        own = by_face[wall.index]
+        region, numbers = face_region(wall.index, wall.sheet, by_face[wall.index], nodes.points)
         rate = growth if layers is None or name not in hosting else min(growth or GROWTH, 1 / layers)
-        face = faces[name] = mesh_face(label, wall.index, wall.sheet, own, sizes[name], kind, nodes, rate)
-        parts.warnings += odd_seeds_note(label, own, kind, len(face.triangles), "triangles")
+        tasks.append(FaceTask(label, wall.sheet, region, numbers, sizes[name], kind, rate))
+    faces = {}
+    meshes = zip(parts.walls.items(), tasks, mesh_all(tasks))
+    for number, ((name, wall), task, mesh) in enumerate(meshes, start=1):
+        face = faces[name] = task.lay(mesh, nodes)
+        parts.warnings += odd_seeds_note(task.name, by_face[wall.index], kind, len(face.triangles), "triangles")
         report(name, 0.2 + 0.6 * number / len(parts.walls))
     return faces
 

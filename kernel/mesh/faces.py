@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Mapping, Sequence
+import os
+from collections.abc import Iterator, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,8 +15,11 @@ from kernel.errors import MeshError
 from kernel.idealise.sheets import Sheet
 from kernel.idealise.topology import BOUNDARY, Curve, Topology
 from kernel.mesh.nodes import NodeTable
-from kernel.mesh.planar import GROWTH, mesh_region
-from kernel.mesh.region import OddCurveError, Region
+from kernel.mesh.planar import GROWTH, enclosed_area, mesh_region
+from kernel.mesh.region import OddCurveError, Region, RegionMesh
+
+WORTH_THREADS = 20_000
+"""Elements, roughly, from which faces are meshed in threads: fewer are done before the threads have started."""
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
@@ -86,6 +91,59 @@ def face_region(face: int, sheet: Sheet, curves: Sequence[SeededCurve], points: 
     return region, numbers
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class FaceTask:
+    """A face to be meshed. name: of the segment, for errors. numbers: of the region's points in the node table.
+
+    kind: "quad" or "tri". growth: of the size per unit of length, None for the usual.
+    """
+
+    name: str
+    sheet: Sheet
+    region: Region
+    numbers: Indices
+    size: float
+    kind: str
+    growth: float | None
+
+    def mesh(self) -> RegionMesh:
+        """In the sheet's plane. Where the user asked for an odd number of seeds quads alone are not possible: then
+        quads with few triangles.
+        """
+        rate = GROWTH if self.growth is None else self.growth
+        try:
+            try:
+                return mesh_region(self.region, self.size, self.kind, rate)
+            except OddCurveError:
+                return mesh_region(self.region, self.size, "mixed", rate)
+        except MeshError as error:
+            raise MeshError(f"{self.name}: {error.message}") from error
+
+    def lay(self, mesh: RegionMesh, nodes: NodeTable) -> FaceMesh:
+        """The face's mesh in space: its inner nodes are added to the table."""
+        numbers = np.concatenate([self.numbers, nodes.add(self.sheet.lift(mesh.points[len(self.numbers) :]))])
+        return FaceMesh(
+            nodes=numbers,
+            flat=mesh.points,
+            quads=numbers[mesh.quads.reshape(-1, 4)],
+            triangles=numbers[mesh.triangles.reshape(-1, 3)],
+        )
+
+
+def mesh_all(tasks: Sequence[FaceTask]) -> Iterator[RegionMesh]:
+    """The faces' meshes in their order, in threads where that pays: kernels let go of the interpreter's lock.
+
+    The meshes are the same in any number of threads, and so is the error, that of the first face that has one.
+    """
+    wanted = sum(enclosed_area(task.region) / task.size**2 for task in tasks)
+    n_thread = min(len(tasks), os.cpu_count() or 1)
+    if n_thread < 2 or wanted < WORTH_THREADS:
+        yield from (task.mesh() for task in tasks)
+        return
+    with ThreadPoolExecutor(n_thread) as pool:
+        yield from pool.map(FaceTask.mesh, tasks)
+
+
 def mesh_face(
     name: str,
     face: int,
@@ -96,27 +154,9 @@ def mesh_face(
     nodes: NodeTable,
     growth: float | None = None,
 ) -> FaceMesh:
-    """Mesh one face and add its inner nodes. name: of the segment, for errors. kind: "quad" or "tri".
-
-    growth: of the size per unit of length, None for the usual. Where the user asked for an odd number of seeds quads
-    alone are not possible: then quads with few triangles.
-    """
-    region, numbers = face_region(face, sheet, curves, nodes.points)
-    rate = GROWTH if growth is None else growth
-    try:
-        try:
-            mesh = mesh_region(region, size, kind, rate)
-        except OddCurveError:
-            mesh = mesh_region(region, size, "mixed", rate)
-    except MeshError as error:
-        raise MeshError(f"{name}: {error.message}") from error
-    numbers = np.concatenate([numbers, nodes.add(sheet.lift(mesh.points[len(numbers) :]))])
-    return FaceMesh(
-        nodes=numbers,
-        flat=mesh.points,
-        quads=numbers[mesh.quads.reshape(-1, 4)],
-        triangles=numbers[mesh.triangles.reshape(-1, 3)],
-    )
+    """Mesh one face and add its inner nodes. name, kind, growth: see FaceTask."""
+    task = FaceTask(name, sheet, *face_region(face, sheet, curves, nodes.points), size, kind, growth)
+    return task.lay(task.mesh(), nodes)
 
 
 def curve_middles(topology: Topology, curves: Sequence[SeededCurve]) -> tuple[Indices, Array]:

@@ -103,7 +103,7 @@ def _check(region: Region, size: float, faces: str, growth: float) -> None:
     boundary = region.edges[region.is_boundary]
     leaving = np.bincount(boundary[:, 0], minlength=n_point)
     arriving = np.bincount(boundary[:, 1], minlength=n_point)
-    wanted = abs(_area(region)) / size**2
+    wanted = abs(enclosed_area(region)) / size**2
     if wanted > MOST_ELEMENTS:
         raise MeshError(f"a region meshed at size {size:.6g} would take some {wanted:.2g} elements")
     open_points = np.flatnonzero(leaving != arriving)
@@ -112,7 +112,7 @@ def _check(region: Region, size: float, faces: str, growth: float) -> None:
         raise MeshError(f"the region's boundary is not closed at ({x:.6g}, {y:.6g})")
 
 
-def _area(region: Region) -> float:
+def enclosed_area(region: Region) -> float:
     """Area enclosed by the boundary edges."""
     a, b = (region.points[region.edges[region.is_boundary, k]] for k in (0, 1))
     dx = b[:, 0] - a[:, 0]
