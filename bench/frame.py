@@ -1,6 +1,6 @@
 """A large model from text to deck: seconds by stage, CPU seconds and peak memory of a process of its own.
 
-    python bench/frame.py [SEGMENTS] [--kind touching|overlapping|plates|mixed] [--formats] [--profile FILE]
+    python bench/frame.py [SEGMENTS] [--kind touching|overlapping|plates|deck|mixed] [--formats] [--profile FILE]
 
 SEGMENTS: about as many, 1,000 by default. Asked for: 1,000 members under 15 s, 10,000 segments under 3 minutes and
 4 GB. --formats writes every format there is, each timed. --profile leaves a cProfile file.
@@ -67,12 +67,30 @@ def deck(segments: int) -> list[str]:
     return solids
 
 
+def rooms(segments: int) -> list[str]:
+    """Storeys of 9 x 9 rooms: a floor, walls one way that run through, walls the other way room by room."""
+    bays, pitch, height, t = 9, 300.0, 300.0, 10.0
+    storeys = max(1, round(segments / (1 + bays + 1 + bays * (bays + 1))))
+    length = bays * pitch + t
+    solids = []
+    for level in range(storeys):
+        base = level * (height + t)
+        solids.append(block((length, length, t), (0, 0, base)))
+        solids += [block((t, length, height), (i * pitch, 0, base + t)) for i in range(bays + 1)]
+        solids += [
+            block((pitch - t, t, height), (i * pitch + t, j * pitch, base + t))
+            for i in range(bays)
+            for j in range(bays + 1)
+        ]
+    return solids
+
+
 def mixed(segments: int) -> list[str]:
-    """The frame with a floor plate on every bay: 4 segments a bay."""
-    bays = _least(segments, lambda n: n * n + 2 * n * (n - 1) + (n - 1) ** 2)
+    """The frame with floor plates on every other bay, as on a chess board (side by side they would be one plate)."""
+    bays = _least(segments, lambda n: n * n + 2 * n * (n - 1) + (n - 1) ** 2 // 2)
     solids = floor_frame(bays, 0)
     for i in range(bays - 1):
-        for j in range(bays - 1):
+        for j in range(i % 2, bays - 1, 2):
             solids.append(block((1000, 1000, 20), (1000.0 * i, 1000.0 * j, 1000)))
     return solids
 
@@ -81,7 +99,7 @@ def _least(segments: int, count: Callable[[int], int]) -> int:
     return next(n for n in range(2, 1000) if count(n) >= segments)
 
 
-KINDS = {"touching": frame, "overlapping": overlapping, "plates": deck, "mixed": mixed}
+KINDS = {"touching": frame, "overlapping": overlapping, "plates": rooms, "deck": deck, "mixed": mixed}
 
 
 def main() -> None:
