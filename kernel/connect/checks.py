@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from kernel.connect.audit import coincident_nodes, connected_components, coupling_nodes, edge_cracks, loose_arms
 from kernel.connect.couplings import nodes_with_rotations
-from kernel.connect.equations import rigid_motion_error
+from kernel.connect.equations import rigid_links_error, rigid_motion_error
 from kernel.connect.mass import Moments, block_moments, total
 from kernel.connect.model import Coupling, Model, Mpc, Rbe2
 from kernel.connect.reference import Reference, reference_of
@@ -114,7 +114,11 @@ def check_against(model: Model, reference: Reference) -> Checks:
     nodes = model.mesh.nodes
     size = reference.size
     centre = (nodes.min(axis=0) + nodes.max(axis=0)) / 2
-    errors = [rigid_motion_error(coupling, nodes, centre, size) for coupling in model.couplings]
+    links = [coupling for coupling in model.couplings if isinstance(coupling, Rbe2)]
+    errors = [
+        rigid_links_error(links, nodes, centre, size),
+        *(rigid_motion_error(other, nodes, centre, size) for other in model.couplings if not isinstance(other, Rbe2)),
+    ]
     solid, meshed, density = _masses(model, reference.solid)
     doubly, chained = dependence(model.couplings, nodes_with_rotations(model.mesh))
     checks = Checks(
@@ -122,7 +126,7 @@ def check_against(model: Model, reference: Reference) -> Checks:
         solid_components=reference.pieces,
         free_nodes=_free_nodes(model),
         coincident_nodes=coincident_nodes(model, VERTEX_TOLERANCE * size),
-        coupling_error=max(errors, default=0.0),
+        coupling_error=max(errors),
         doubly_dependent=doubly,
         chained=chained,
         cracks=edge_cracks(model.mesh, reference.curve_uses),
@@ -165,15 +169,20 @@ def _masses(model: Model, volume: Moments) -> tuple[Moments, Moments, float]:
     """Of the solid, of the model, and the solid's density (the mean over the segments where materials differ)."""
     elements = {element.segment: element for element in model.properties}
     nodes = model.mesh.nodes
-    parts, bare = [], 0.0
+    parts = []
     for block in model.mesh.blocks:
         element = elements[block.segment]
-        part = block_moments(block, nodes, element, model.materials[element.material].density)
-        parts.append(part)
-        bare += block_moments(block, nodes, element, 1 / element.density_factor).mass
+        parts.append(block_moments(block, nodes, element, model.materials[element.material].density))
     meshed = total(parts)
     densities = {material.density for material in model.materials.values()}
-    density = densities.pop() if len(densities) == 1 else meshed.mass / bare
+    if len(densities) == 1:
+        density = densities.pop()
+    else:
+        bare = 0.0
+        for block in model.mesh.blocks:
+            element = elements[block.segment]
+            bare += block_moments(block, nodes, element, 1 / element.density_factor).mass
+        density = meshed.mass / bare
     return Moments(volume.mass * density, volume.centre, volume.second * density), meshed, density
 
 

@@ -9,7 +9,7 @@ MPC    as it stands, solved for its first term
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -117,6 +117,37 @@ def rigid_motion_error(coupling: Coupling, nodes: Array, centre: Array, size: fl
         scale = 1.0 if freedom[1] <= 3 else size  # a rotation is 1 / size
         worst = max(worst, float(np.abs(residual).max()) * scale)
     return worst
+
+
+def rigid_links_error(couplings: Sequence[Rbe2], nodes: Array, centre: Array, size: float) -> float:
+    """The largest rigid_motion_error of many RBE2 at once.
+
+    Their rotations follow exactly, and in translations so do their residuals under translations: what is left is
+    theta x (x_d - c) against theta x (x_i - c) + theta x (x_d - x_i).
+    """
+    if not couplings:
+        return 0.0
+    counts = [len(coupling.dependent) for coupling in couplings]
+    dependent = np.concatenate([coupling.dependent for coupling in couplings])
+    independent = np.repeat([coupling.independent for coupling in couplings], counts)
+    held = np.array([[str(k) in coupling.components for k in (1, 2, 3)] for coupling in couplings])
+    arms = nodes[dependent] - nodes[independent]
+    turns = (
+        -_cross_matrices((nodes[dependent] - centre) / size),
+        -_cross_matrices((nodes[independent] - centre) / size),
+        -_cross_matrices(arms) * (1 / size),
+    )
+    residual = -turns[0] + turns[1] + turns[2]
+    return float(np.abs(residual[np.repeat(held, counts, axis=0)]).max(initial=0.0))
+
+
+def _cross_matrices(vectors: Array) -> Array:
+    """(n, 3, 3) cross_matrix of each of the vectors (n, 3)."""
+    matrices = np.zeros((len(vectors), 3, 3))
+    x, y, z = vectors.T
+    matrices[:, 0, 1], matrices[:, 0, 2], matrices[:, 1, 2] = -z, y, -x
+    matrices[:, 1, 0], matrices[:, 2, 0], matrices[:, 2, 1] = z, -y, x
+    return matrices
 
 
 def _motions(freedom: Freedom, nodes: Array, centre: Array, size: float) -> Array:

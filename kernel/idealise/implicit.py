@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from kernel.solid.surfaces import FacetedSurface, Surface, outward, signed_distance
+from kernel.solid.surfaces import FacetedSurface, Plane, Surface, outward, signed_distance
 
 Array = NDArray[np.float64]
 
@@ -27,14 +27,26 @@ def project(points: Array, surfaces: Sequence[Surface]) -> Array:
     if not equations or not len(moved):
         return moved
     scale = max(float(np.abs(moved).max()), np.finfo(float).tiny)
+    inverse = _inverse_of_planes(equations)
     for _ in range(_ITERATIONS):
         residual = np.stack([signed_distance(surface, moved) for surface in equations], axis=1)
-        jacobian = np.stack([outward(surface, moved) for surface in equations], axis=1)
-        step = _least_step(jacobian, residual)
+        if inverse is not None:
+            step = np.einsum("ij,nj->ni", inverse, residual)
+        else:
+            jacobian = np.stack([outward(surface, moved) for surface in equations], axis=1)
+            step = _least_step(jacobian, residual)
         moved = moved - step
         if np.abs(step).max() < 1e-15 * scale:
             break
     return moved
+
+
+def _inverse_of_planes(surfaces: Sequence[Surface]) -> Array | None:
+    """What takes the residuals of three planes to a step, (3, 3), wherever the points are; None for other surfaces."""
+    normals = [surface.normal for surface in surfaces if isinstance(surface, Plane)]
+    if len(normals) < 3 or len(surfaces) > 3:
+        return None
+    return np.linalg.pinv(np.array(normals), rcond=_SINGULAR)
 
 
 def _least_step(jacobian: Array, residual: Array) -> Array:

@@ -16,6 +16,7 @@ from kernel.solid.surfaces import (
     SphereSurface,
     Surface,
     TorusSurface,
+    cross,
     outward,
 )
 from kernel.units import ANGLE_TOLERANCE
@@ -29,7 +30,7 @@ _LONGEST_MARCH = 20_000
 
 
 def _is_parallel(a: Array, b: Array) -> bool:
-    return bool(np.linalg.norm(np.cross(a, b)) < 4 * ANGLE_TOLERANCE)
+    return bool(np.linalg.norm(cross(a, b)) < 4 * ANGLE_TOLERANCE)
 
 
 def _is_across(a: Array, b: Array) -> bool:
@@ -74,7 +75,7 @@ def common_axis(a: Surface, b: Surface, tolerance: float) -> tuple[Array, Array]
 def _straight_direction(a: Surface, b: Surface) -> Array | None:
     """Direction of the straight lines in which two surfaces meet, or None where they meet otherwise."""
     if isinstance(a, Plane) and isinstance(b, Plane):
-        return np.cross(a.normal, b.normal)
+        return cross(a.normal, b.normal)
     if isinstance(b, Plane):
         a, b = b, a
     if isinstance(b, CylinderSurface):

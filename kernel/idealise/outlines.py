@@ -19,7 +19,7 @@ from kernel.idealise.implicit import project
 from kernel.idealise.intersections import intersection
 from kernel.idealise.sheets import PlaneSheet, Sheet
 from kernel.idealise.topology import Topology
-from kernel.solid.surfaces import Axis, CylinderSurface, FacetedSurface, Plane, Surface
+from kernel.solid.surfaces import Axis, CylinderSurface, FacetedSurface, Plane, Surface, cross
 from kernel.solid.table import SurfaceTable
 
 Array = NDArray[np.float64]
@@ -228,9 +228,9 @@ def transversal(sheet: Sheet, carrier: Carrier) -> tuple[Surface, ...]:
 def meeting_point(sheet: Sheet, one: Carrier, other: Carrier, near: Array) -> Array:
     """The common point of two carriers of a sheet next to `near` (3,)."""
     if isinstance(one, Line) and isinstance(other, Line):
-        across = np.cross(one.direction, other.direction)
+        across = cross(one.direction, other.direction)
         square = float(across @ across)
         if square > LINES_CROSS**2:
-            along = float(np.cross(other.point - one.point, other.direction) @ across) / square
+            along = float(cross(other.point - one.point, other.direction) @ across) / square
             return one.point + along * one.direction
     return project(near[None], (sheet.surface, *transversal(sheet, one), *transversal(sheet, other)))[0]

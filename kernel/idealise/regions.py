@@ -69,9 +69,10 @@ def join_walls(
     for crossing in crossings:
         for wall in crossing.walls:
             by_wall.setdefault(wall.index, []).append(crossing)
+    sections = _Sections(topology)
     for wall in walls:
         if wall.index in by_wall:
-            region = _region(topology, wall, by_wall[wall.index], nearby[wall.index])
+            region = _region(topology, wall, by_wall[wall.index], nearby[wall.index], sections)
             joint_carriers = {crossing.carrier for crossing in by_wall[wall.index]}
             wall.outline, wall.region = outline_of(topology, wall, region, joint_carriers)
 
@@ -95,7 +96,9 @@ def strip(
     return windowed(wall.sheet, polygon if polygon.is_valid else polygon.buffer(0))
 
 
-def _region(topology: Topology, wall: Wall, crossings: list[Crossing], nearby: list[Segment]) -> PolygonLike:
+def _region(
+    topology: Topology, wall: Wall, crossings: list[Crossing], nearby: list[Segment], sections: _Sections
+) -> PolygonLike:
     size = topology.carriers.reach
     grid = GRID * size
     strips, gaps, slabs, cuts = [], [], [], []
@@ -116,7 +119,7 @@ def _region(topology: Topology, wall: Wall, crossings: list[Crossing], nearby: l
                 cuts.append(windowed(wall.sheet, LineString(unwrapped(wall.sheet, curve))))
     own = _without_dust(wall.own, shapely.union_all(slabs))
     held = own.difference(shapely.union_all([*strips, *gaps])) if strips or gaps else own
-    material = shapely.union_all([wall.own, *_material(topology, wall, nearby)], grid_size=grid)
+    material = shapely.union_all([wall.own, *_material(wall, nearby, sections)], grid_size=grid)
     grown = shapely.intersection(shapely.union_all([own, *strips], grid_size=grid), material, grid_size=grid)
     grown = shapely.union_all(parts_of(shapely.union_all([grown, *gaps], grid_size=grid)))
     curves = shapely.union_all(cuts)
@@ -142,14 +145,39 @@ def _without_dust(own: PolygonLike, slabs: PolygonLike) -> PolygonLike:
     return shapely.union_all(kept) if kept else own
 
 
-def _material(topology: Topology, wall: Wall, nearby: list[Segment]) -> list[PolygonLike]:
+class _Sections:
+    """Sections of segments in sheets; walls in one plane, as those on both sides of a third, ask for the same ones."""
+
+    def __init__(self, topology: Topology) -> None:
+        self._topology = topology
+        self._known: dict[tuple[str, int, bytes, bytes], tuple[PolygonLike, set[int]] | None] = {}
+
+    def of(self, segment: Segment, sheet: Sheet) -> tuple[PolygonLike, set[int]] | None:
+        """The section in the sheet's coordinates and the carriers of its outline; None where they do not meet."""
+        if not isinstance(sheet, PlaneSheet):
+            return self._made(segment, sheet)
+        key = (segment.id, sheet.surface_id, sheet.u.tobytes(), sheet.v.tobytes())
+        if key not in self._known:
+            self._known[key] = self._made(segment, sheet)
+        return self._known[key]
+
+    def _made(self, segment: Segment, sheet: Sheet) -> tuple[PolygonLike, set[int]] | None:
+        rings = section_outline(self._topology, segment.solid, sheet)
+        if not rings:
+            return None
+        return domain(self._topology, sheet, rings), {stretch.carrier for ring in rings for stretch in ring}
+
+
+def _material(wall: Wall, nearby: list[Segment], sections: _Sections) -> list[PolygonLike]:
     """Sections of the segments around the wall in its sheet; their carriers become known to it."""
     found: list[PolygonLike] = []
+    known = set(wall.known)
     for segment in nearby:
-        rings = section_outline(topology, segment.solid, wall.sheet)
-        if rings:
-            found.append(domain(topology, wall.sheet, rings))
-            wall.known = sorted({*wall.known, *(stretch.carrier for ring in rings for stretch in ring)})
+        section = sections.of(segment, wall.sheet)
+        if section is not None:
+            found.append(section[0])
+            known |= section[1]
+    wall.known = sorted(known)
     return found
 
 

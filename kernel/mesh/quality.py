@@ -52,10 +52,10 @@ def mesh_quality(mesh: Mesh, *, allow_inverted: bool = False) -> dict[str, Any]:
         blocks = [block for block in mesh.blocks if block.kind == kind and len(block.connectivity)]
         if not blocks:
             continue
-        measures = [element_quality(block, mesh.nodes) for block in blocks]
-        result[kind] = {"count": sum(len(block.connectivity) for block in blocks)}
-        for name in measures[0]:
-            result[kind][name] = _summary(np.concatenate([measure[name] for measure in measures]))
+        together = ElementBlock("", kind, np.concatenate([block.connectivity for block in blocks]))
+        result[kind] = {"count": len(together.connectivity)}
+        for name, values in element_quality(together, mesh.nodes).items():
+            result[kind][name] = _summary(values)
     return result
 
 
@@ -104,9 +104,13 @@ def scaled_jacobian(kind: ElementKind, places: Array) -> Array:
 
 def refuse_inverted(mesh: Mesh) -> None:
     """MeshError where an element's Jacobian is not positive at all its nodes, with the segment and the place."""
+    least = {}
+    for name in {block.kind for block in mesh.blocks if ELEMENT_KINDS[block.kind].dimension > 1}:
+        together = np.concatenate([block.connectivity for block in mesh.blocks if block.kind == name])
+        least[name] = _least_jacobian(ELEMENT_KINDS[name], mesh.nodes[together]).min(initial=np.inf)
     for block in mesh.blocks:
         kind = ELEMENT_KINDS[block.kind]
-        if kind.dimension < 2 or not len(block.connectivity):
+        if least.get(block.kind, np.inf) > 0 or not len(block.connectivity):
             continue
         places = mesh.nodes[block.connectivity]
         bad = np.flatnonzero(_least_jacobian(kind, places) <= 0)
