@@ -138,7 +138,7 @@ class Arrangement:
         anchors: dict[int, list[Average | Interpolation]] = {}
         for anchor in self._anchors():
             anchors.setdefault(self._joined.find(anchor.node), []).append(anchor)
-        changed = False
+        rigid: set[int] = set()
         for body, found in anchors.items():
             stiff = len(self._joined.members(body)) > 1 and not all(self.has_rotations[a.node] for a in found)
             if len(found) == 1 and not stiff:
@@ -146,35 +146,33 @@ class Arrangement:
             for place in dict.fromkeys(joint_of(anchor.tie) for anchor in found):
                 self.notes.append(f"{place}: rigid where its node rests on {len(found)} faces and bodies at once")
             for anchor in found:
-                self._make_rigid(anchor)
-            changed = True
-        return changed
+                self._join(anchor)
+                rigid.add(id(anchor))
+        self._averages = [anchor for anchor in self._averages if id(anchor) not in rigid]
+        self._interpolations = [anchor for anchor in self._interpolations if id(anchor) not in rigid]
+        return bool(rigid)
 
     def _thin_patches(self) -> bool:
         dependents = {node for body in self._bodies() for node in body.members if node != body.head or body.anchor}
         dependents |= {pair.node for pair in self.pairs}
-        changed = False
-        for average in list(self._averages):
+        kept: list[Average] = []
+        for average in self._averages:
             own = self._joined.find(average.node)
             free = [n not in dependents and self._joined.find(n) != own for n in average.patch.tolist()]
             patch = average.patch[np.array(free, dtype=bool)]
             if not self.is_rigid(average.tie) and defines_rotation(self.nodes[patch]):
-                weights = average.weights[np.array(free, dtype=bool)]
-                self._averages[self._averages.index(average)] = replace(average, patch=patch, weights=weights)
+                kept.append(replace(average, patch=patch, weights=average.weights[np.array(free, dtype=bool)]))
                 continue
             if not self.is_rigid(average.tie) and defines_rotation(self.nodes[average.patch]):
                 self.notes.append(f"{joint_of(average.tie)}: rigid, for most of its patch depends on another joint")
-            self._make_rigid(average)
-            changed = True
+            self._join(average)
+        changed = len(kept) < len(self._averages)
+        self._averages = kept
         return changed
 
-    def _make_rigid(self, anchor: Average | Interpolation) -> None:
-        if isinstance(anchor, Average):
-            self._averages.remove(anchor)
-            others = anchor.patch
-        else:
-            self._interpolations.remove(anchor)
-            others = anchor.hosts
+    def _join(self, anchor: Average | Interpolation) -> None:
+        """The anchor's node and what it rests on move as one from now on."""
+        others = anchor.patch if isinstance(anchor, Average) else anchor.hosts
         self._preferred[anchor.node] += 1
         for node in others.tolist():
             self._joined.join(anchor.node, node)

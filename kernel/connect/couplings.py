@@ -68,12 +68,13 @@ def make_couplings(
     on_average = [(body, body.anchor) for body in arrangement.bodies if isinstance(body.anchor, Average)]
     frames = beam_frames(mesh, nodes, sections or {}) if "work" in (kind, *by_joint.values()) else {}
     by_work = [body for body, average in on_average if kind_of(average.tie) == "work" and average.node in frames]
+    worked = {body.head for body in by_work}
     table: dict[Freedom, Expression] = {}
     couplings: list[Coupling] = [*rigid]
     table.update(_work(by_work, frames, nodes, has_rotations))
     notes = list(arrangement.notes)
     for body, average in on_average:
-        if body in by_work:
+        if body.head in worked:
             continue
         couplings += _averaged(body, average, has_rotations)
         if kind_of(average.tie) == "work":

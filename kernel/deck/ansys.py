@@ -122,11 +122,12 @@ def _elements(model: Model, kinds: list[str], materials: list[tuple[str, float]]
     yield f"EBLOCK,19,SOLID,{total},{total}"
     yield "(19i9)"
     numbers = {element.segment: number for number, element in enumerate(model.properties, start=1)}
+    material_numbers = {key: number for number, key in enumerate(materials, start=1)}
     orientation = model.mesh.n_node + 1
     element_number = 1
     for block in model.mesh.blocks:
         element = model.properties[numbers[block.segment] - 1]
-        material = materials.index((element.material, element.density_factor)) + 1
+        material = material_numbers[(element.material, element.density_factor)]
         order = list(_TYPES[block.kind][2])
         section = 1 if element.kind == "solid" else numbers[block.segment]
         for row in (block.connectivity[:, order] + 1).tolist():

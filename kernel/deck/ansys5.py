@@ -110,12 +110,13 @@ def _elements(
     principal: dict[str, tuple[SectionProperties, float]],
 ) -> Iterator[str]:
     numbers = {element.segment: number for number, element in enumerate(model.properties, start=1)}
+    material_numbers = {key: number for number, key in enumerate(materials, start=1)}
     free_node = model.mesh.n_node + 1
     element_number = 1
     for block in model.mesh.blocks:
         element = model.properties[numbers[block.segment] - 1]
         yield f"TYPE,{types.index(_type(block.kind)) + 1}"
-        yield f"MAT,{materials.index((element.material, element.density_factor)) + 1}"
+        yield f"MAT,{material_numbers[(element.material, element.density_factor)]}"
         if element.kind != "solid":
             yield f"REAL,{numbers[block.segment]}"
         if block.kind in _LINE_PARTS:

@@ -67,8 +67,8 @@ def _groups(model: Model, entity: dict[str, int], dimension: dict[str, int]) -> 
     segment_of = {number: segment for segment, number in entity.items()}
     groups = []
     for named in model.sets:
-        inside = np.bincount(owner[named.elements], minlength=len(size))
-        held = np.flatnonzero((inside == size) & (size > 0)).tolist()
+        inside, count = np.unique(owner[named.elements], return_counts=True)
+        held = inside[count == size[inside]].tolist()
         name = printable(named.name).replace('"', "'")
         by_dimension: dict[int, list[int]] = {}
         for number in held:

@@ -47,14 +47,16 @@ def set_name(name: str, limit: int) -> str:
 def set_names(names: list[str], limit: int) -> list[str]:
     """set_name for each, made unique: repeats get a number at their end."""
     taken: set[str] = set()
+    following: dict[str, int] = {}  # the number that the next repeat of a name tries first: those below are taken
     result = []
     for name in names:
         base = candidate = set_name(name, limit)
-        number = 2
+        number = following.get(base, 2)
         while candidate in taken:
             ending = f"_{number}"
             candidate = base[: limit - len(ending)] + ending
             number += 1
+        following[base] = number
         taken.add(candidate)
         result.append(candidate)
     return result

@@ -231,8 +231,9 @@ def _elements(model: Model, numbering: _Numbering) -> Iterator[str]:
             yield from _bars(block, first, pid)
             continue
         name, order = _CARDS[block.kind]
+        card = _number_card(name, 2 + len(order))
         for number, row in enumerate((block.connectivity[:, list(order)] + 1).tolist(), start=first):
-            yield _card(name, [number, pid, *row])
+            yield card % (number, pid, *row)
 
 
 def _bars(block: ElementBlock, first: int, pid: int) -> Iterator[str]:
@@ -290,6 +291,12 @@ def _mpc(coupling: Mpc) -> str:
 
 def _text(field: object) -> str:
     return fixed_field(field) if isinstance(field, float) else str(field)
+
+
+def _number_card(name: str, n_field: int) -> str:
+    """A %-template of a card of whole numbers, eight a line: all ids fit, which _Numbering has seen to."""
+    rows = ["%8d" * min(8, n_field - start) for start in range(0, n_field, 8)]
+    return f"{name:<8}" + "\n+       ".join(rows)
 
 
 def _card(name: str, fields: Sequence[object]) -> str:

@@ -81,6 +81,7 @@ class _Deck:
         self.model = model
         self.by_segment = {element.segment: element for element in model.properties}
         self.materials = list(dict.fromkeys((p.material, p.density_factor) for p in model.properties))
+        self._material_numbers = {key: number for number, key in enumerate(self.materials, start=1)}
         self.spokes = [
             (centre, other)
             for coupling in model.couplings
@@ -209,14 +210,14 @@ class _Deck:
         for block in blocks:
             element = self.by_segment[block.segment]
             assert element.thickness is not None
+            material_number, reals = self._material(element), _reals([element.thickness, 0.0, 0.0, 0.0])
             for row in (block.connectivity + 1).tolist():
                 four = row if len(row) == 4 else [*row, TRIANGLE_FOURTH_NODE]
-                fields = [number, *four, 0, self._material(element), 0]
-                yield f"{_ints(fields, 5)}{_reals([element.thickness, 0.0, 0.0, 0.0])}"
+                yield f"{_ints([number, *four, 0, material_number, 0], 5)}{reals}"
                 number += 1
 
     def _material(self, element: Property) -> int:
-        return self.materials.index((element.material, element.density_factor)) + 1
+        return self._material_numbers[(element.material, element.density_factor)]
 
 
 def _spokes(coupling: Coupling) -> tuple[int, list[int]]:
