@@ -1,6 +1,7 @@
 """A large model from text to deck: seconds by stage, CPU seconds and peak memory of a process of its own.
 
-    python bench/frame.py [SEGMENTS] [--kind touching|overlapping|plates|deck|mixed] [--formats] [--profile FILE]
+    python bench/frame.py [SEGMENTS] [--kind touching|overlapping|plates|deck|mixed] [--size H] [--formats]
+                      [--profile FILE]
 
 SEGMENTS: about as many, 1,000 by default. Asked for: 1,000 members under 15 s, 10,000 segments under 3 minutes and
 4 GB. --formats writes every format there is, each timed. --profile leaves a cProfile file.
@@ -20,6 +21,7 @@ from app.pipeline import classify, mesh, write_deck
 from kernel.csg.reader import read_model
 from kernel.deck.deck import formats
 from kernel.errors import CsgmeshError
+from kernel.mesh.options import MeshOptions
 
 
 def block(size: tuple[float, float, float], corner: tuple[float, float, float]) -> str:
@@ -106,6 +108,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("segments", type=int, nargs="?", default=1000)
     parser.add_argument("--kind", choices=KINDS, default="touching")
+    parser.add_argument("--size", type=float, help="of the elements, automatic if not given")
     parser.add_argument("--formats", action="store_true")
     parser.add_argument("--profile")
     arguments = parser.parse_args()
@@ -116,7 +119,7 @@ def main() -> None:
     start, cpu = time.perf_counter(), time.process_time()
     csg = read_model(text, "frame.csg")
     reading = time.perf_counter() - start
-    meshed = mesh(classify(csg))
+    meshed = mesh(classify(csg), MeshOptions(size=arguments.size))
     middle = time.perf_counter()
     written = write_deck(meshed, "frame.bdf")
     end = time.perf_counter()

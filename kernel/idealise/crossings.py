@@ -30,6 +30,10 @@ NEARLY_INSIDE = 0.2
 """A joint curve that ends this share of a third wall's thickness before that wall goes on through it."""
 
 
+LONGEST_WITHIN = 20.0
+"""A joint curve that stays within a third wall for this many of its thicknesses runs along it, not through it."""
+
+
 @dataclass(slots=True, eq=False)
 class Crossing:
     """The curve `carrier` in which the mid-surfaces of two walls meet, and where each wall's material reaches it.
@@ -261,17 +265,20 @@ def _lengthened(topology: Topology, crossing: Crossing, ends: Interval, thirds: 
 
 def _carried_on(carrier: Carrier, end: float, sign: float, third: Wall, tolerance: float) -> float:
     """The end of a curve, carried on in the direction `sign` to the face of a third wall where it lies within that."""
+    surface = third.sheet.surface
+    if isinstance(carrier, Line) and isinstance(surface, Plane):
+        return _carried_straight(carrier, end, sign, surface, third.thickness, tolerance)
     half = 0.5 * third.thickness
     step = sign * NEARLY_INSIDE * third.thickness
 
     def outside(value: float) -> float:
         point = carrier.at(np.array([value]))
-        return float(abs(signed_distance(third.sheet.surface, point)[0])) - half
+        return float(abs(signed_distance(surface, point)[0])) - half
 
     if outside(end) >= -tolerance and outside(end + step) >= 0:
         return end
     inner = end
-    for _ in range(100):
+    for _ in range(round(LONGEST_WITHIN / NEARLY_INSIDE)):
         if outside(inner + step) > 0:
             break
         inner += step
@@ -282,3 +289,19 @@ def _carried_on(carrier: Carrier, end: float, sign: float, third: Wall, toleranc
         middle = 0.5 * (low + high)
         low, high = (middle, high) if outside(middle) <= 0 else (low, middle)
     return low
+
+
+def _carried_straight(line: Line, end: float, sign: float, plane: Plane, thickness: float, tolerance: float) -> float:
+    """The same for a line and a flat wall, without a search."""
+    half = 0.5 * thickness
+    start = line.at(np.array([end]))[0]
+    across = sign * float(line.direction @ plane.normal)
+    place = float(start @ plane.normal) - plane.offset
+    step = NEARLY_INSIDE * thickness
+    if abs(place) - half >= -tolerance and abs(place + across * step) - half >= 0:
+        return end
+    if across < 0:
+        across, place = -across, -place
+    if half - place > across * LONGEST_WITHIN * thickness:
+        return end
+    return end + sign * (half - place) / across
