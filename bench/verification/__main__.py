@@ -6,8 +6,9 @@ import sys
 import time
 from pathlib import Path
 
-from verification.cases import ALL, Row
+from verification.common import Row
 from verification.page import EXPLANATIONS, page
+from verification.suite import ALL
 
 PAGE = Path(__file__).resolve().parents[2] / "docs" / "verification.md"
 

@@ -1,100 +1,17 @@
-"""The cases: each a CSG text, its representations by override, loads, and a closed form with its source."""
+"""Cases of one segment: each a CSG text, its representations by override, loads, and a closed form with its source."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
-from functools import cache
+from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 
-from app.pipeline import Meshed, classify, mesh
-from kernel.connect.couplings import nodes_with_rotations
 from kernel.connect.model import Model
-from kernel.csg.reader import read_model
-from kernel.errors import DeckError
 from kernel.idealise.section import SectionProperties, section_properties
-from kernel.mesh.options import MeshOptions
-from kernel.plan import Override
-from verification.loading import (
-    Case,
-    at,
-    ccx,
-    frequencies,
-    held_at,
-    mystran,
-    nodes_where,
-    pressed,
-    spread,
-    weights,
-)
-from verification.solvers import SolverFailed
-
-E, NU, RHO = 210000.0, 0.3, 7.85e-9
-G = E / 2 / (1 + NU)
-SOLVERS = ("MYSTRAN", "CalculiX")
-
-
-@dataclass(frozen=True)
-class Row:
-    """One number against its reference; limit: the share that it may differ by. value None: refused, note says why."""
-
-    case: str
-    quantity: str
-    representation: str
-    solver: str
-    value: float | None
-    reference: float
-    limit: float
-    freedoms: int
-    note: str = ""
-
-    @property
-    def error(self) -> float | None:
-        return None if self.value is None else self.value / self.reference - 1
-
-    @property
-    def holds(self) -> bool:
-        return self.error is None or abs(self.error) <= self.limit
-
-
-def freedoms(model: Model) -> int:
-    """Six at nodes of beams and shells, three at the others."""
-    turning = nodes_with_rotations(model.mesh)
-    return int(6 * turning.sum() + 3 * (~turning).sum())
-
-
-@cache
-def built(text: str, overrides: tuple[tuple[str, str], ...] = (), **options) -> Meshed:
-    """The text through csgmesh; `coupling` apart, options are MeshOptions'."""
-    coupling = options.pop("coupling", "distributing")
-    pinned = {node: Override(kind) for node, kind in overrides}
-    meshed = mesh(classify(read_model(text, "case.csg"), overrides=pinned), MeshOptions(**options), coupling=coupling)
-    if not meshed.checks.passed:
-        raise AssertionError("; ".join(meshed.checks.failures))
-    return meshed
-
-
-def solved(solver: str, model: Model, case: Case, **options):
-    return mystran(model, case) if solver == "MYSTRAN" else ccx(model, case, **options)
-
-
-def rows(row: Row, model: Model, measure: Callable[[str], float], solvers=SOLVERS) -> Iterator[Row]:
-    """The row for each solver; a deck that a format refuses is reported as such."""
-    for solver in solvers:
-        filled = replace(row, solver=solver, freedoms=freedoms(model))
-        try:
-            yield replace(filled, value=float(measure(solver)))
-        except DeckError as error:
-            yield replace(filled, note=f"refused: {error}")
-        except SolverFailed as error:
-            raise AssertionError(f"{row.case}, {row.representation}, {solver}: {error}") from error
-
-
-def blank(case: str, quantity: str, representation: str, reference: float, limit: float, note: str = "") -> Row:
-    return Row(case, quantity, representation, "", None, reference, limit, 0, note)
-
+from verification.common import NU, RHO, E, G, Row, blank, built, rows, solved
+from verification.loading import Case, at, frequencies, held_at, nodes_where, pressed, spread
 
 # ---------------------------------------------------------------- cantilevers
 
@@ -119,7 +36,7 @@ PROFILES = {
     "C 60 x 100 x 6": (C_TEXT, 1, lambda p: np.full(len(p), True)),
     "box 80 x 100 x 4": (BOX_TEXT, 2, lambda p: (p[:, 1] < 4.1) | (p[:, 1] > 75.9)),
 }
-REPRESENTATIONS = (("beam", 0.005), ("plates", 0.035), ("brick", 0.03))
+REPRESENTATIONS = (("beam", 0.005), ("plates", 0.035), ("plates, arms", 0.035), ("brick", 0.03))
 
 
 def _section(text: str) -> SectionProperties:
@@ -141,8 +58,11 @@ def cantilevers() -> Iterator[Row]:
         second, shear = _stiffness(_section(text), axis, built(text.format(x=LENGTH), (("/", "beam"),)).model)
         reference = 1000 * LENGTH**3 / (3 * E * second) + 1000 * LENGTH / (G * shear)
         for representation, limit in REPRESENTATIONS:
-            size = {"beam": 50.0, "plates": 16.0, "brick": 10.0}[representation]
-            model = built(text.format(x=LENGTH), (("/", representation),), size=size).model
+            kind, _, arms = representation.partition(", ")
+            if arms and not name.startswith("I"):
+                continue  # walls that meet in corners have no tees
+            size = {"beam": 50.0, "plates": 16.0, "brick": 10.0}[kind]
+            model = built(text.format(x=LENGTH), (("/", kind),), size=size, tee=arms or "extend").model
             tip = at(0, LENGTH)
 
             def pick(places, tip=tip, carries=carries, beam=representation == "beam"):
@@ -167,7 +87,7 @@ def vibrations() -> Iterator[Row]:
         section = _section(text)
         weak = min(section.iyy, section.izz)
         reference = 3.5160 / (2 * math.pi) * math.sqrt(E * weak / (RHO * section.area * length**4))
-        for representation, _ in REPRESENTATIONS:
+        for representation in ("beam", "plates", "brick"):
             size = {"beam": 50.0, "plates": 25.0, "brick": 20.0}[representation]
             model = built(text.format(x=length), (("/", representation),), size=size).model
             held = held_at(model, at(0, 0))
@@ -343,122 +263,3 @@ def pipes() -> Iterator[Row]:
 
         row = blank("pipe 120 x 4 under pressure", "radius grows by, mm", representation, reference, 0.03)
         yield from rows(row, model, growth)
-
-
-# ---------------------------------------------------------------- frames and mixed models
-
-PORTAL_TEXT = """LEFT = BLO(40, 40, 1980)
-RIGHT = BLO(40, 40, 1980) AT (MOVX=3000)
-BEAM = BLO(3040, 40, 40) AT (MOVZ=1980)
-PORTAL = LEFT UN RIGHT UN BEAM
-OUT PORTAL
-"""
-
-
-def portal() -> Iterator[Row]:
-    """Sway of a portal with clamped feet, by slope deflection on the members' axes (Kleinlogel, frame 46)."""
-    second, height, span, force = 40**4 / 12, 2000.0, 3000.0, 1000.0
-    # top: 4 theta / h - 6 d / h^2 + 6 theta / l = 0; storey: 2 E I (12 d / h^3 - 6 theta / h^2) = F
-    turn = 6 / height**2 / (4 / height + 6 / span)  # theta / d
-    reference = force / (2 * E * second * (12 / height**3 - 6 * turn / height**2))
-    model = built(PORTAL_TEXT, size=100.0).model
-    top = model.mesh.nodes[:, 2].max()
-    case = Case(held_at(model, at(2, 0)), spread(model, lambda p: at(2, top)(p) & (p[:, 0] < 1.0), (force, 0, 0)))
-
-    def sway(solver):
-        return max(solved(solver, model, case).displacements[node, 0] for node in case.forces)
-
-    row = blank("portal frame of three touching bars", "sway, mm", "beams", reference, 0.03)
-    yield from rows(row, model, sway)
-
-
-HALVES_TEXT = """ROOT = BLO(200, 30, 40)
-REST = BLO(200, 30, 40) AT (MOVX=200)
-BAR = ROOT UN REST
-OUT BAR
-"""
-
-
-def halves() -> Iterator[Row]:
-    """A cantilever whose root is a brick and whose rest is a beam, joined by each coupling (Timoshenko)."""
-    second, area, length = 30 * 40**3 / 12, 1200.0, 400.0
-    reference = 1000 * length**3 / (3 * E * second) + 1000 * length / (G * 5 / 6 * area)
-    for coupling in ("distributing", "rigid", "work"):
-        meshed = built(HALVES_TEXT, (("ROOT", "brick"), ("REST", "beam")), size=10.0, coupling=coupling)
-        model = meshed.model
-        case = Case(held_at(model, at(0, 0)), spread(model, at(0, length), (0, 0, -1000.0)))
-
-        def tip(solver, model=model, case=case):
-            (node,) = case.forces
-            return -solved(solver, model, case).displacements[node, 2]
-
-        row = blank("half brick, half beam", "tip, mm", coupling, reference, 0.02)
-        yield from rows(row, model, tip)
-
-
-TABLE_TEXT = """TOP = BLO(800, 500, 20) AT (MOVZ=680)
-LEG = BLO(40, 40, 680)
-LEGS = LEG UN (LEG AT (MOVX=760)) UN (LEG AT (MOVY=460)) UN (LEG AT (MOVX=760, MOVY=460))
-TABLE = TOP UN LEGS
-OUT TABLE
-"""
-
-
-def _table_sag(model: Model, solver: str) -> float:
-    upper = model.mesh.nodes[:, 2].max()
-    top = at(2, upper, 1e-3)
-    case = Case(held_at(model, at(2, 0)), spread(model, top, (0, 0, -2000.0)))
-    share = weights(model, top)
-    moved = solved(solver, model, case).displacements
-    return -sum(moved[node, 2] * w for node, w in share.items()) / sum(share.values())
-
-
-def table() -> Iterator[Row]:
-    """Mean sag of a table's top under 2000 N, beams and plate against the same table all of quadratic bricks."""
-    bricks = built(TABLE_TEXT, (("TOP", "brick"), ("LEGS", "brick")), size=10.0, order=2).model
-    reference = _table_sag(bricks, "CalculiX")
-    mixed = built(TABLE_TEXT, size=50.0).model
-    note = f"all solid: {freedoms(bricks):,} degrees of freedom"
-    row = blank("table under load", "mean sag, mm", "plate and beams", reference, 0.02)
-    for found in rows(row, mixed, lambda solver: _table_sag(mixed, solver)):
-        yield replace(found, note=note)
-
-
-BRACKET_TEXT = """BASE = BLO(120, 80, 3)
-BACK = BLO(3, 80, 117) AT (MOVZ=3)
-RIB = WED(100, 100, 3) AT (ROTX=90, MOVX=3, MOVY=41.5, MOVZ=3)
-BRACKET = BASE UN BACK UN RIB
-OUT BRACKET
-"""
-
-
-def _bracket_tip(model: Model, solver: str) -> float:
-    top = model.mesh.nodes[:, 2].max()
-    tip = at(0, 120.0, 1e-3)
-    case = Case(held_at(model, at(2, top, 1e-3)), spread(model, tip, (0, 0, -1000.0)))
-    moved = solved(solver, model, case).displacements
-    return -sum(moved[node, 2] * -force[2] for node, force in case.forces.items()) / 1000
-
-
-def bracket() -> Iterator[Row]:
-    """Tip of a bracket with a rib, held at its upper edge, against the same bracket all of quadratic solid elements."""
-    solid = built(BRACKET_TEXT, (("/", "brick"),), size=5.0, order=2, volumes="tet").model
-    reference = _bracket_tip(solid, "CalculiX")
-    walls = built(BRACKET_TEXT, (("/", "plates"),), size=6.0).model
-    row = blank("bracket with a rib", "tip, mm", "plates", reference, 0.05)
-    for found in rows(row, walls, lambda solver: _bracket_tip(walls, solver)):
-        yield replace(found, note=f"all solid: {freedoms(solid):,} degrees of freedom")
-
-
-ALL: tuple[Callable[[], Iterator[Row]], ...] = (
-    cantilevers,
-    tees,
-    vibrations,
-    plates,
-    hole,
-    pipes,
-    portal,
-    halves,
-    table,
-    bracket,
-)

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import tempfile
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
 
 from kernel.connect.couplings import nodes_with_rotations
-from kernel.connect.model import Model, Rbe2
+from kernel.connect.model import Model, Mpc, Rbe2
 from kernel.deck import calculix, nastran
 from kernel.deck.keywords import real
 from kernel.deck.numbers import fixed_field
@@ -26,10 +26,11 @@ _FACE_KINDS = {(3, 1): "tri3", (4, 1): "quad4", (3, 2): "tri6", (4, 2): "quad8"}
 
 @dataclass(frozen=True)
 class Case:
-    """held: node -> components; forces: node -> (3,) force."""
+    """held: node -> components; forces: node -> (3,) force; moments: node -> (3,) moment."""
 
     held: dict[int, str]
     forces: dict[int, np.ndarray]
+    moments: dict[int, np.ndarray] = field(default_factory=dict)
 
 
 def nodes_where(model: Model, pick: Pick) -> list[int]:
@@ -40,10 +41,21 @@ def at(axis: int, value: float, tolerance: float = 1e-6) -> Pick:
     return lambda places: np.abs(places[:, axis] - value) < tolerance
 
 
+def dependent_nodes(model: Model) -> set[int]:
+    """Nodes that a coupling moves: a support there would contradict it."""
+    nodes: set[int] = set()
+    for coupling in model.couplings:
+        if isinstance(coupling, Rbe2):
+            nodes.update(coupling.dependent.tolist())
+        else:
+            nodes.add(int(coupling.nodes[0]) if isinstance(coupling, Mpc) else coupling.dependent)
+    return nodes
+
+
 def held_at(model: Model, pick: Pick, components: str = "123456") -> dict[int, str]:
-    """Nodes that follow others by a coupling are held by those: solvers refuse supports on them."""
-    following = {int(node) for coupling in model.couplings if isinstance(coupling, Rbe2) for node in coupling.dependent}
-    return {node: components for node in nodes_where(model, pick) if node not in following}
+    """Supports at the picked nodes, but at those that follow others."""
+    bound = dependent_nodes(model)
+    return {node: components for node in nodes_where(model, pick) if node not in bound}
 
 
 def weights(model: Model, pick: Pick) -> dict[int, float]:
@@ -112,9 +124,10 @@ def pressed(model: Model, pick: Pick, pressure: Callable[[np.ndarray], np.ndarra
 
 def mystran(model: Model, case: Case) -> Solved:
     bulk = [f"SPC1,1,{components},{node + 1}" for node, components in sorted(case.held.items())]
-    for node, force in sorted(case.forces.items()):
-        x, y, z = (fixed_field(float(v)) for v in force)
-        bulk.append(f"{'FORCE*':<8}{1:>16}{node + 1:>16}{0:>16}{'1.':>16}\n{'*':<8}{x:>16}{y:>16}{z:>16}")
+    for card, loads in (("FORCE*", case.forces), ("MOMENT*", case.moments)):
+        for node, load in sorted(loads.items()):
+            x, y, z = (fixed_field(float(v)) for v in load)
+            bulk.append(f"{card:<8}{1:>16}{node + 1:>16}{0:>16}{'1.':>16}\n{'*':<8}{x:>16}{y:>16}{z:>16}")
     control = ["LOAD = 1", "SPC = 1", "DISPLACEMENT = ALL", "SPCFORCES = ALL"]
     with tempfile.TemporaryDirectory() as folder:
         return run_mystran(nastran.assemble_deck(model, control, bulk), Path(folder), model.mesh.n_node)
@@ -132,6 +145,8 @@ def ccx(model: Model, case: Case, *, stress: bool = False) -> Solved:
     lines = [*_ccx_supports(model, case.held), "*STEP", "*STATIC", "*CLOAD"]
     for node, force in sorted(case.forces.items()):
         lines += [f"{node + 1}, {k + 1}, {real(float(v))}" for k, v in enumerate(force) if v]
+    for node, moment in sorted(case.moments.items()):
+        lines += [f"{node + 1}, {k + 4}, {real(float(v))}" for k, v in enumerate(moment) if v]
     lines += ["*NODE PRINT, NSET=NALL", "U", "*NODE PRINT, NSET=HELD, TOTALS=ONLY", "RF"]
     if stress:
         lines += ["*EL FILE, OUTPUT=2D", "S"]

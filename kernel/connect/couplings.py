@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from kernel.connect.arrange import Arrangement, Average, Body, Interpolation, Pair, joint_of
 from kernel.connect.equations import Expression, Freedom, average_matrices, equation, rigid_row, rows
 from kernel.connect.model import Coupling, Mpc, Rbe2, Rbe3
-from kernel.connect.work import BeamFrame, beam_frames, warping_of, work_matrix
+from kernel.connect.work import BeamFrame, beam_frames, patch_faces, warping_of, work_matrix
 from kernel.errors import ConnectError, OptionError
 from kernel.idealise.members import Tie
 from kernel.idealise.section import SectionProperties
@@ -71,7 +71,7 @@ def make_couplings(
     worked = {body.head for body in by_work}
     table: dict[Freedom, Expression] = {}
     couplings: list[Coupling] = [*rigid]
-    table.update(_work(by_work, frames, nodes, has_rotations))
+    table.update(_work(by_work, frames, mesh, nodes, has_rotations))
     notes = list(arrangement.notes)
     for body, average in on_average:
         if body.head in worked:
@@ -129,7 +129,7 @@ def _averaged(body: Body, average: Average, has_rotations: NDArray[np.bool_]) ->
 
 
 def _work(
-    bodies: Sequence[Body], frames: Mapping[int, BeamFrame], nodes: Array, has_rotations: NDArray[np.bool_]
+    bodies: Sequence[Body], frames: Mapping[int, BeamFrame], mesh: Mesh, nodes: Array, has_rotations: NDArray[np.bool_]
 ) -> dict[Freedom, Expression]:
     """Equal work in the place of each average; the rest of the node's body follows it rigidly."""
     warpings: dict[int, Warping] = {}
@@ -142,7 +142,8 @@ def _work(
         if id(frame.section) not in warpings:
             warpings[id(frame.section)] = warping_of(frame.section)
         points = nodes[average.patch] - nodes[average.node]
-        matrix = work_matrix(frame.section, warpings[id(frame.section)], frame.axes, points, place)
+        faces = patch_faces(mesh, average.patch)
+        matrix = work_matrix(frame.section, warpings[id(frame.section)], frame.axes, points, faces, place)
         for c in range(6):
             table[(average.node, c + 1)] = _row_on(average.patch, matrix[c])
         table.update(_followers(body, nodes, has_rotations))

@@ -69,6 +69,26 @@ def test_a_work_coupling_is_six_equations_on_the_beams_end():
     assert [int(coupling.components[0]) for coupling in couplings] == [1, 2, 3, 4, 5, 6]
 
 
+def test_work_puts_the_stresses_of_beam_theory_on_the_face_as_consistent_loads():
+    """At a corner of an a x b face: the stress at the shape function's centre, b / 3 inside, times a b / 4."""
+    width, height, ny, nz = 20.0, 30.0, 4, 6
+    model = half_beam_half_solid("work", (200.0, width, height), (40, ny, nz))
+    by_component = {int(each.components[0]): each for each in model.couplings}
+    a, b = width / ny, height / nz
+    for component, stress_at_corner, slope in (
+        (1, 1 / (width * height), 0.0),
+        (5, height / 2 / (width * height**3 / 12), 12 / (width * height**3)),
+    ):
+        equation = by_component[component]
+        places = model.mesh.nodes[equation.nodes]
+        along_x = equation.components == 1
+        (corner,) = np.flatnonzero(
+            along_x & (places[:, 1] == width) & (places[:, 2] == height) & (np.arange(len(places)) > 0)
+        )
+        share = a * b / 4 * (stress_at_corner - slope * b / 3)
+        assert equation.coefficients[corner] == pytest.approx(share, rel=1e-6)
+
+
 def test_an_average_is_the_weighted_mean_and_the_best_fit_rotation():
     points = np.array([[0.0, 0, 0], [2, 0, 0], [2, 2, 0], [0, 2, 0]])
     translation, rotation = average_matrices(points, np.ones(4), np.array([1.0, 1, 0]))

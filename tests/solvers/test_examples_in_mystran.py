@@ -5,8 +5,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from verification.loading import dependent_nodes
 from verification.solvers import run_mystran
-from weighing import dependent_nodes
 
 from app.pipeline import Meshed, classify, mesh, read
 from kernel.deck.nastran import nastran_self_weight
@@ -57,6 +57,22 @@ def test_the_table_stands_on_any_coupling(coupling, tmp_path):
     assert result.checks.passed, result.checks.failures
     solved = solve_under_weight(result.model, lowest_nodes(result.model, 2), tmp_path)
     assert solved.reactions[:, 2].sum() == pytest.approx(result.checks.model_mass * 9806.65, rel=2e-4)
+
+
+def test_a_coupling_by_joint_holds_that_joint_alone(tmp_path):
+    """One leg of four rigid: the middle of the top rises by a quarter of what four rigid legs make it."""
+    classified = meshed("table.csg").classified
+    sunk = []
+    for number, choice in enumerate(({}, {"j1": "rigid"}, {joint.id: "rigid" for joint in classified.joints})):
+        model = mesh(classified, MeshOptions(size=60.0), joint_couplings=choice).model
+        folder = tmp_path / str(number)
+        folder.mkdir()
+        nodes = model.mesh.nodes
+        middle = np.argmin(np.linalg.norm(nodes - [*nodes.mean(axis=0)[:2], nodes[:, 2].max()], axis=1))
+        sunk.append(-solve_under_weight(model, lowest_nodes(model, 2), folder).displacements[middle, 2])
+    averaged, one_rigid, all_rigid = sunk
+    assert all_rigid < one_rigid < averaged
+    assert averaged - one_rigid == pytest.approx((averaged - all_rigid) / 4, rel=0.1)
 
 
 def test_the_table_of_bricks_runs_too(tmp_path):

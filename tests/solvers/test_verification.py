@@ -1,13 +1,15 @@
 """The quick cases of docs/verification.md hold on every run; `make verification` runs them all."""
 
 import pytest
-from verification import cases
+from verification import cases, common, joined, mixed
 from verification.page import page
 
 pytestmark = pytest.mark.solver
 
 
-@pytest.mark.parametrize("case", [cases.plates, cases.portal, cases.halves, cases.hole], ids=lambda case: case.__name__)
+@pytest.mark.parametrize(
+    "case", [cases.plates, mixed.portal, mixed.halves, cases.hole, joined.joint_stress], ids=lambda case: case.__name__
+)
 def test_csgmesh_and_two_solvers_agree_with_the_closed_form(case):
     rows = list(case())
     assert rows
@@ -16,8 +18,8 @@ def test_csgmesh_and_two_solvers_agree_with_the_closed_form(case):
 
 
 def test_the_page_shows_refusals_and_marks_what_is_outside():
-    row = cases.Row("bar", "tip, mm", "beam", "MYSTRAN", 1.2, 1.0, 0.1, 60)
-    refused = cases.Row("bar", "tip, mm", "beam", "CalculiX", None, 1.0, 0.1, 60, "refused: why")
+    row = common.Row("bar", "tip, mm", "beam", "MYSTRAN", 1.2, 1.0, 0.1, 60)
+    refused = common.Row("bar", "tip, mm", "beam", "CalculiX", None, 1.0, 0.1, 60, "refused: why")
     text = page({"cantilevers": [row, refused]})
     assert "+20.00% **outside**" in text
     assert "| refused |" in text

@@ -4,24 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
+from verification.loading import dependent_nodes
 
 from kernel.connect.audit import component_labels
-from kernel.connect.model import Model, Mpc, Rbe2
+from kernel.connect.model import Model
 from kernel.mesh.elements import ELEMENT_KINDS
 
 GRIPS = (1e-6, 0.02, 0.1, 0.25)
 """How deep a support may reach into a piece, of its extent: the first that holds it."""
-
-
-def dependent_nodes(model: Model) -> set[int]:
-    """Nodes that a coupling moves: a support there would contradict it."""
-    nodes: set[int] = set()
-    for coupling in model.couplings:
-        if isinstance(coupling, Rbe2):
-            nodes.update(coupling.dependent.tolist())
-        else:
-            nodes.add(int(coupling.nodes[0]) if isinstance(coupling, Mpc) else coupling.dependent)
-    return nodes
 
 
 def holding_nodes(model: Model) -> list[int]:
