@@ -10,7 +10,7 @@ import numpy as np
 
 from kernel.connect.model import Model
 from kernel.idealise.section import SectionProperties, section_properties
-from verification.common import NU, RHO, E, G, Row, blank, built, rows, solved
+from verification.common import NU, RHO, SOLVERS, E, G, Row, blank, built, rows, solved
 from verification.loading import Case, at, frequencies, held_at, nodes_where, pressed, spread
 
 # ---------------------------------------------------------------- cantilevers
