@@ -60,8 +60,9 @@ def meshed_answer(meshed: Meshed) -> MeshAnswer:
         quality=plain(meshed.quality),
         mass=MassAnswer(solid=checks.solid_mass, model=checks.model_mass, error=checks.mass_error),
         ledger=[
-            {"segments": list(row.segments), "cause": row.cause, "volume": float(row.volume)}
+            {"segments": list(row.segments), "cause": row.cause, "volume": float(row.volume), "kind": row.kind}
             for row in meshed.assembly.ledger
+            if row.volume
         ],
         warnings=list(meshed.warnings),
         seconds={stage: round(seconds, 4) for stage, seconds in meshed.seconds.items()},

@@ -99,7 +99,9 @@ class Checks:
             "centre": {"solid": self.solid_centre.tolist(), "model": self.model_centre.tolist()},
             "inertia": {"solid": self.solid_inertia.tolist(), "model": self.model_inertia.tolist()},
             "ledger": [
-                {"segments": list(row.segments), "cause": row.cause, "volume": row.volume} for row in self.ledger
+                {"segments": list(row.segments), "cause": row.cause, "volume": row.volume, "kind": row.kind}
+                for row in self.ledger
+                if row.volume
             ],
         }
 

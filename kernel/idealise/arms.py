@@ -22,14 +22,14 @@ from shapely import LineString
 
 from kernel.connect.joints import Joint
 from kernel.errors import ConnectError, OptionError
-from kernel.idealise.carriers import Line
+from kernel.idealise.askew import is_filled, own_edge
 from kernel.idealise.crossings import Crossing, slab_edges
 from kernel.idealise.imprints import Candidate
 from kernel.idealise.intersections import intersection
-from kernel.idealise.outlines import PolygonLike, Stretch, domain, unwrapped, windowed
+from kernel.idealise.outlines import PolygonLike, Stretch, unwrapped, windowed
 from kernel.idealise.regions import GRID, drawn, outline_of, strip
 from kernel.idealise.topology import Topology
-from kernel.idealise.walls import Wall, section_outline
+from kernel.idealise.walls import Wall
 from kernel.segment.slices import parts_of
 from kernel.solid.surfaces import signed_distance
 
@@ -43,9 +43,6 @@ ASIDE = 0.05
 
 WITHIN = 0.5
 """A cell of the web goes when more than this share of it lies in the flange's slab along the joint curve."""
-
-ALONGSIDE = 1e-6
-"""An edge runs along a joint curve when the sine between them is smaller."""
 
 SAME_THICKNESS = 1e-6
 """Coplanar walls are one flange when their thicknesses differ by less than this share."""
@@ -233,8 +230,8 @@ def _as_tee(
     if not count:
         return None
     if web.index in crossing.gap:
-        own = _own_edge(topology, crossing, web, flange, side)
-        if own is None or not _is_filled(topology, web, flanges, points, side, own[0]):
+        own = own_edge(topology, crossing, web, flange, side)
+        if own is None or not is_filled(topology, web, flanges, points, side, own[0]):
             return None if own is None else _Tee(crossing, flanges, along, side, *own)
     table = flange.segment.solid.surfaces.surfaces
     edge = slab_edges(web, flange, points, 0.0)[0 if side > 0 else 1]
@@ -242,34 +239,6 @@ def _as_tee(
     face = flange.surface_ids[int(np.argmin(away))]
     number = intersection(topology.carriers, table, web.sheet.surface_id, face, edge[2:3])
     return _Tee(crossing, flanges, along, side, 0.0, number)
-
-
-def _own_edge(topology: Topology, crossing: Crossing, web: Wall, flange: Wall, side: float) -> tuple[float, int] | None:
-    """How far from the flange's face a web that stands askew ends, and the carrier there; None where it is curved."""
-    curve = topology.carrier(crossing.carrier)
-    if not isinstance(curve, Line):
-        return None
-    found = []
-    for number in {stretch.carrier for ring in web.rings for stretch in ring}:
-        edge = topology.carrier(number)
-        if isinstance(edge, Line) and np.linalg.norm(np.cross(edge.direction, curve.direction)) < ALONGSIDE:
-            away = side * float(signed_distance(flange.sheet.surface, edge.point[None])[0]) - 0.5 * flange.thickness
-            if -topology.tolerance <= away <= crossing.gap[web.index] + topology.tolerance:
-                found.append((max(away, 0.0), number))
-    return min(found, default=None)
-
-
-def _is_filled(
-    topology: Topology, web: Wall, flanges: tuple[Wall, ...], points: Array, side: float, gap: float
-) -> bool:
-    """Whether the wedge between a web's square end and the flange's face is material, which the flange was given."""
-    middle = web.sheet.flat(slab_edges(web, flanges[0], points, 0.5 * gap)[0 if side > 0 else 1])
-    inside = np.zeros(len(points), dtype=bool)
-    for flange in flanges:
-        rings = section_outline(topology, flange.segment.solid, web.sheet)
-        if rings:
-            inside |= shapely.contains_xy(domain(topology, web.sheet, rings), middle[:, 0], middle[:, 1])
-    return bool(inside.all())
 
 
 # ---------------------------------------------------------------- the web cut back

@@ -20,7 +20,7 @@ from kernel.idealise.brick import group_bricks
 from kernel.idealise.crossings import find_crossings
 from kernel.idealise.footprints import cut_edges, footprint_candidates, lap_candidates, seats
 from kernel.idealise.imprints import crossing_candidates, imprint, lay_outlines, outline_candidates
-from kernel.idealise.ledger import volume_ledger
+from kernel.idealise.ledger import unexplained, volume_ledger
 from kernel.idealise.members import Assembly
 from kernel.idealise.parts import Parts
 from kernel.idealise.regions import join_walls
@@ -136,6 +136,8 @@ def assemble(
             parts.warnings.append(f"{drawn} mid-side nodes were drawn back from their curves: the elements are coarse")
     chains = [seeded.nodes for seeded in curves]
     arms = arm_rows(chains, hung)
+    ledger = volume_ledger(parts, pieces, evaluated.solid.true_volume)
+    parts.warnings += unexplained(ledger, sum(segment.volume for segment in segments))
     report("tied", 1.0)
     return Assembly(
         segments=tuple(segment for segment in segments if segment.id not in parts.absorbed),
@@ -143,7 +145,7 @@ def assemble(
         mesh=mesh,
         sections={name: beam.section for name, beam in parts.beams.items()},
         ties=(*arm_ties(mesh, arms, hung, chains), *ties),
-        ledger=volume_ledger(parts),
+        ledger=ledger,
         curve_uses=_curve_uses(curves),
         arms=arms,
         warnings=(*planned.warnings, *parts.warnings, *near_misses(segments, evaluated, joints)),
