@@ -228,12 +228,18 @@ function forgetMesh() {
   if (state.view === "mesh") state.view = "segments";
 }
 
+// What stands in a field, null where nothing does; what the number may be is the service's to say.
+function typedNumber(id, what) {
+  const text = byId(id).value.trim().replace(",", ".");
+  const value = text === "" ? null : Number(text);
+  if (Number.isNaN(value)) throw new Error(`${what}: '${text}', expected a number`);
+  return value;
+}
+
 async function startMesh() {
-  const text = byId("mesh-size").value.trim().replace(",", ".");
-  const size = text === "" ? null : Number(text);
-  if (Number.isNaN(size)) throw new Error(`the element size is '${text}', expected a number`);
   const job = await askJson("POST", `/v1/models/${state.model.id}/meshes`, {
-    size, order: Number(byId("mesh-order").value), faces: byId("mesh-faces").value, volumes: byId("mesh-volumes").value, coupling: byId("mesh-coupling").value, tee: byId("mesh-tee").value,
+    size: typedNumber("mesh-size", "the element size"), per_circle: typedNumber("mesh-per-circle", "the elements round a circle"), layers: typedNumber("mesh-layers", "the layers"),
+    order: Number(byId("mesh-order").value), faces: byId("mesh-faces").value, volumes: byId("mesh-volumes").value, coupling: byId("mesh-coupling").value, tee: byId("mesh-tee").value,
     units: byId("mesh-units").value || null, material: byId("mesh-material").value.trim() || null,
   });
   forgetMesh();

@@ -212,6 +212,28 @@ def test_a_node_may_have_a_size_of_its_own(client, table):
     assert size["segments"] == [{"segment": "s1", "size": 40, "because": "asked for 0"}]
 
 
+def test_curves_are_seeded_over_http_as_on_the_command_line(client, table, tmp_path, monkeypatch, capsys):
+    wanted = {"size": 100, "seeds": {"0&1.0.0": 6, "0": 40}, "curve_sizes": {"750,0,772": 20}, "growth": 1.3,
+              "per_circle": 20, "layers": 2}  # fmt: skip
+    job = client.post(f"/v1/models/{table}/meshes", json=wanted).headers["location"]
+    with client.stream("GET", f"{job}/events") as stream:
+        assert list(stream.iter_lines())
+    mesh = client.get(job).json()["mesh_id"]
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "table.csg").write_text(TABLE)
+    given = ["--seeds", "0&1.0.0=6", "--seeds", "0=40", "--curve-size", "750,0,772=20", "--growth", "1.3"]
+    given += ["--per-circle", "20", "--layers", "2", "--size", "100"]
+    assert run(["mesh", "table.csg", "-o", "table.bdf", *given]) == 0
+    assert client.get(f"/v1/meshes/{mesh}/deck").content == (tmp_path / "table.bdf").read_bytes()
+
+
+def test_a_request_has_every_option_of_a_mesh():
+    from app.api.meshing import MeshRequest
+    from app.meshoptions import ASKED
+
+    assert set(ASKED) <= set(MeshRequest.model_fields)
+
+
 def test_a_size_of_a_segment_that_there_is_none_of_fails_the_job(client, table):
     job = client.post(f"/v1/models/{table}/meshes", json={"sizes": {"s77": 40}}).headers["location"]
     with client.stream("GET", f"{job}/events") as stream:
@@ -228,6 +250,14 @@ def test_a_size_of_a_segment_that_there_is_none_of_fails_the_job(client, table):
         ({"sizes": {"0": -1}}, "size of '0' is -1, expected a positive number"),
         ({"sizes": {"0": "fine"}}, "fine"),
         ({"sizes": {"LID": 5}}, "size of 'LID': no node 'LID' in the model, expected '/'"),
+        ({"curve_sizes": {"0": 0}}, "curve size of '0' is 0, expected a positive number"),
+        ({"curve_sizes": {"1,2": 5}}, "curve size of '1,2': expected a point as x,y,z, such as 10,0,25"),
+        ({"seeds": {"0&LID": 8}}, "seeds of 'LID': no node 'LID' in the model"),
+        ({"seeds": {"0": 2.5}}, "2.5"),
+        ({"seeds": {"0": 0}}, "seeds of '0' is 0, expected a whole number from 1"),
+        ({"growth": 1}, "growth is 1, expected a ratio above 1, such as 1.2"),
+        ({"per_circle": 2}, "per_circle is 2, expected a whole number from 4"),
+        ({"layers": 0}, "layers is 0, expected a whole number from 1"),
         ({"material": "cheese"}, "cheese"),
         ({"material": "/etc/passwd"}, "/etc/passwd"),
         ({"units": "furlong"}, "furlong"),
