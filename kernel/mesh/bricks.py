@@ -88,10 +88,12 @@ def mesh_bricks(
     for name, segment in parts.segments.items():
         is_left_out = name in parts.absorbed or (parts.only is not None and name not in parts.only)
         if segment.type == "brick" and name not in meshes and not is_left_out:
-            turned = None if options.volumes == "tet" else _turned(parts, segment, sizes[name], options, nodes, frame)
-            if turned is not None:
-                meshes[name] = turned
-                continue
+            if options.volumes != "tet":
+                rules = SeedRules(growth=growth, per_circle=options.per_circle, layers=options.layers)
+                turned = _turned(parts, segment, sizes[name], options, nodes, frame, rules)
+                if turned is not None:
+                    meshes[name] = turned
+                    continue
             reason = "asked for" if options.volumes == "tet" else why.get(name) or not_a_stack(segment, frame)
             if options.volumes == "hex":
                 raise MeshError(f"{name} ({segment.node}) cannot be meshed with hexahedra only: {reason}")
@@ -247,14 +249,20 @@ def _pairs(group: SweepGroup, brick: SweptBrick, section: _Section, levels: Arra
 
 
 def _turned(
-    parts: Parts, segment: Segment, size: float, options: MeshOptions, nodes: NodeTable, frame: Array
+    parts: Parts,
+    segment: Segment,
+    size: float,
+    options: MeshOptions,
+    nodes: NodeTable,
+    frame: Array,
+    rules: SeedRules,
 ) -> BrickMesh | None:
     """A solid of revolution turned about its axis; None where it is none, or would be meshed badly so."""
     try:
         brick = revolved_brick(segment, parts.topology.tolerance, parts.topology.carriers.reach)
         if brick is None:
             return None
-        body = mesh_revolved(brick, size, options.faces, options.order, options.per_circle)
+        body = mesh_revolved(brick, size, options.faces, options.order, rules)
     except MeshError as error:
         parts.warnings.append(f"{segment.id} ({segment.node}) is not turned about its axis: {error.message}")
         return None

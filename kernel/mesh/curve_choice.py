@@ -27,6 +27,7 @@ from kernel.mesh.curve_items import WALLS, AnyItem, CurveItem, StraightItem, ite
 from kernel.mesh.curve_names import point_of
 from kernel.mesh.options import MOST_COUNTED, MeshOptions
 from kernel.mesh.seeding import CurveWish
+from kernel.mesh.shares import shared_out
 from kernel.segment.addresses import depth, is_under, node_of, segments_of
 from kernel.solid.solid import Solid
 
@@ -80,7 +81,7 @@ def choose_curves(options: MeshOptions, parts: Parts, curves: Sequence[Curve], e
         item = choice.items[place]
         if isinstance(item, CurveItem):
             own = chosen.walls if item.topology == WALLS else chosen.sections.setdefault(item.topology, {})
-            own.update(_shared(wish, item.places))
+            own.update(_shared(wish, item))
         elif item.kind == "axis":
             chosen.beams[item.name] = wish
         else:
@@ -88,12 +89,12 @@ def choose_curves(options: MeshOptions, parts: Parts, curves: Sequence[Curve], e
     return chosen
 
 
-def _shared(wish: CurveWish, places: tuple[int, ...]) -> dict[int, CurveWish]:
-    """The wish for a curve as wishes for its pieces: the halves of a closed one, which are as long as each other."""
-    if wish.count is None or len(places) == 1:
-        return dict.fromkeys(places, wish)
-    half = wish.count // 2
-    return {places[0]: CurveWish(count=wish.count - half), places[1]: CurveWish(count=half)}
+def _shared(wish: CurveWish, item: CurveItem) -> dict[int, CurveWish]:
+    """The wish for a curve as wishes for its pieces."""
+    if wish.count is None:
+        return dict.fromkeys(item.places, wish)
+    counts = shared_out(item.lengths, wish.count).tolist()
+    return {place: CurveWish(count=count) for place, count in zip(item.places, counts)}
 
 
 class _Choice:
@@ -152,10 +153,13 @@ class _Choice:
                 f"{what} is {value:.4g}, but the curve through {self._at(item)} is {item.length:.4g} long: expected "
                 f"{item.length / MOST_COUNTED:.2g} or more"
             )
-        if is_count and isinstance(item, CurveItem) and len(item.places) == 2 and value < LEAST_ROUND:
-            raise OptionError(
-                f"{what} is {value:g}, but the curve round {self._at(item)} is closed: expected at least {LEAST_ROUND}"
-            )
+        if is_count and isinstance(item, CurveItem):
+            least = LEAST_ROUND if item.is_closed else len(item.places)
+            if value < least:
+                how = "is closed" if item.is_closed else f"is in {least} pieces"
+                raise OptionError(
+                    f"{what} is {value:g}, but the curve through {self._at(item)} {how}: expected at least {least}"
+                )
 
     # ---- by node or segment
 
@@ -215,7 +219,7 @@ class _Choice:
         there = point @ self._evaluated.frame
         away = np.array([item.distance(there) for item in self.items])
         if not len(away):
-            raise OptionError(f"{what}: the model has no curves, only tetrahedra; sizes of segments divide those")
+            raise OptionError(f"{what}: only bricks that are not swept are here, which have no curves to name")
         least = float(away.min())
         if least > FAR * size:
             first = self.items[int(away.argmin())]
@@ -262,7 +266,7 @@ class _Choice:
         without = [self._called(name) for name in names if name not in with_curves]
         beams = [self._called(name) for name in names if name in self._parts.beams]
         if without:
-            return f"{', '.join(without[:SHOWN])}: tetrahedra take sizes of segments only"
+            return f"{', '.join(without[:SHOWN])}: a brick that is not swept has no curves to name, only a size"
         return f"{', '.join(beams[:SHOWN])}: a beam has its axis only" if beams else "a point x,y,z names any curve"
 
     def _sharing(self, what: str, names: Sequence[str]) -> str:

@@ -1,6 +1,7 @@
 """What a user can name as a curve: pieces of the topology, of bricks' sections, axes of beams, edges along a sweep.
 
-A closed curve that at most one thing meets stands in the topology as two halves (topology.py); here it is one item.
+A closed curve that at most one thing meets stands in the topology as two halves (topology.py), and edges have vertices
+where a joint that ends short of them points at them; here such pieces are one item.
 """
 
 from __future__ import annotations
@@ -30,6 +31,9 @@ SAMPLES = np.array([0.5, 0.06, 0.28, 0.72, 0.94])
 SAGITTA = 1.5
 """Centroids of facets lie within a curved surface by less than its chords do, by about this factor."""
 
+CLOSED = 1e-6
+"""Share of a full turn that may be missing in a closed curve."""
+
 WALLS = -1
 """The topology of the walls, where sections of groups of bricks are numbered from 0."""
 
@@ -57,7 +61,7 @@ class Item:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class CurveItem(Item):
-    """A curve, by its places in its topology's list of curves: one, or the two halves of a closed one.
+    """A curve, by its places in its topology's list of curves: one, or several that lie end to end.
 
     topology: WALLS, or the number of a group of bricks. shifts: (m, 3) from the curve to where it can be seen.
     """
@@ -69,9 +73,21 @@ class CurveItem(Item):
     shifts: Array = field(default_factory=lambda: np.zeros((1, 3)))
 
     @property
+    def lengths(self) -> Array:
+        """Of its pieces, (k,)."""
+        return np.array([end - start for start, end in self.ends])
+
+    @property
     def length(self) -> float:
         """All round, where it is closed."""
-        return sum(end - start for start, end in self.ends)
+        return float(self.lengths.sum())
+
+    @property
+    def is_closed(self) -> bool:
+        """It has no ends."""
+        assert self.carrier is not None
+        period = self.carrier.period
+        return period is not None and self.length > (1 - CLOSED) * period
 
     def distance(self, point: Array) -> float:
         """From a point (3,)."""
@@ -185,22 +201,31 @@ def _samples(topology: Topology, curve: Curve) -> Array:
 
 
 def _merged(curves: Sequence[Curve], topology: Topology) -> list[tuple[int, ...]]:
-    """The places of all curves in order, the halves of a closed curve that at most one thing meets together."""
+    """The places of all curves in order, those together that only a vertex parts at which nothing else meets.
+
+    Such are the halves of a closed curve, and pieces of an edge that something would have reached, had it gone on.
+    """
     meeting: dict[int, set[int]] = {}
-    on_closed: dict[tuple[int, tuple[int, ...]], list[int]] = {}  # where walls are meshed apart each has its own halves
+    alike: dict[tuple[int, tuple[int, ...], int], list[int]] = {}  # meshed apart, each wall has curves of its own
     for place, curve in enumerate(curves):
         for vertex in curve.vertices:
             meeting.setdefault(vertex, set()).add(curve.carrier)
-        if topology.carrier(curve.carrier).period is not None:
-            on_closed.setdefault((curve.carrier, tuple(sorted(curve.uses))), []).append(place)
-    partner: dict[int, int] = {}
-    for (carrier, _), places in on_closed.items():
-        period = topology.carrier(carrier).period
-        assert period is not None
-        is_whole = len(places) == 2 and sum(curves[p].length for p in places) > period - 2 * topology.tolerance
-        if is_whole and min(len(meeting[vertex]) for vertex in curves[places[0]].vertices) == 1:
-            partner[places[0]], partner[places[1]] = places[1], -1
-    return [(p,) if p not in partner else (p, partner[p]) for p in range(len(curves)) if partner.get(p) != -1]
+            alike.setdefault((curve.carrier, tuple(sorted(curve.uses)), vertex), []).append(place)
+    root = list(range(len(curves)))
+
+    def first_of(place: int) -> int:
+        while root[place] != place:
+            place = root[place]
+        return place
+
+    for (_, _, vertex), places in alike.items():
+        if len(places) == 2 and len(meeting[vertex]) == 1:
+            a, b = sorted(first_of(place) for place in places)
+            root[b] = a
+    chains: dict[int, list[int]] = {}
+    for place in range(len(curves)):
+        chains.setdefault(first_of(place), []).append(place)
+    return [tuple(chain) for chain in chains.values()]
 
 
 def _seated(parts: Parts, curve: Curve) -> frozenset[str]:

@@ -16,6 +16,7 @@ from kernel.mesh.planar import mesh_region
 from kernel.mesh.quality import scaled_jacobian
 from kernel.mesh.region import Region, RegionMesh
 from kernel.mesh.section import LEAST_QUALITY, MeshedSection, mesh_section
+from kernel.mesh.seeding import SeedRules
 from kernel.mesh.sweep import sweep
 
 Array = NDArray[np.float64]
@@ -48,17 +49,18 @@ class RevolvedMesh:
 
 
 def mesh_revolved(
-    brick: RevolvedBrick, size: float, faces: str, order: int, per_circle: int | None = None
+    brick: RevolvedBrick, size: float, faces: str, order: int, rules: SeedRules | None = None
 ) -> RevolvedMesh:
-    """The solid in elements of about `size`. order: that they will have. per_circle: elements to a turn at least.
+    """The solid in elements of about `size`. order: that they will have. rules: what the user asks of the profile's
+    layers and growth, and of the elements to a turn.
 
     MeshError: the profile cannot be meshed, or not well.
     """
     name = f"{brick.segment.id} ({brick.segment.node})"
     loss = PROFILE_LOSS if order == 1 else None
-    section = mesh_section(name, brick.section, brick.sheet, size, faces, chord_loss=loss)
+    section = mesh_section(name, brick.section, brick.sheet, size, faces, rules, loss)
     usual = LINEAR_PER_TURN if order == 1 else LARGE_PER_TURN
-    wanted = max(2 * math.pi * brick.largest / size, per_circle or usual)
+    wanted = max(2 * math.pi * brick.largest / size, (rules and rules.per_circle) or usual)
     n_turn = 4 * math.ceil(wanted / 4 - 1e-6)
     turn = _Turn(brick)
     angles = 2 * math.pi * np.arange(n_turn) / n_turn

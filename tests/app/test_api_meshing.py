@@ -213,7 +213,7 @@ def test_a_node_may_have_a_size_of_its_own(client, table):
 
 
 def test_curves_are_seeded_over_http_as_on_the_command_line(client, table, tmp_path, monkeypatch, capsys):
-    wanted = {"size": 100, "seeds": {"0&1.0.0": 6, "0": 40}, "curve_sizes": {"750,0,772": 20}, "growth": 1.3,
+    wanted = {"size": 100, "seeds": {"TOP&LEG2": 6, "LEG1": 9}, "curve_sizes": {"750,0,760": 20}, "growth": 1.3,
               "per_circle": 20, "layers": 2}  # fmt: skip
     job = client.post(f"/v1/models/{table}/meshes", json=wanted).headers["location"]
     with client.stream("GET", f"{job}/events") as stream:
@@ -221,7 +221,7 @@ def test_curves_are_seeded_over_http_as_on_the_command_line(client, table, tmp_p
     mesh = client.get(job).json()["mesh_id"]
     monkeypatch.chdir(tmp_path)
     (tmp_path / "table.csg").write_text(TABLE)
-    given = ["--seeds", "0&1.0.0=6", "--seeds", "0=40", "--curve-size", "750,0,772=20", "--growth", "1.3"]
+    given = ["--seeds", "TOP&LEG2=6", "--seeds", "LEG1=9", "--curve-size", "750,0,760=20", "--growth", "1.3"]
     given += ["--per-circle", "20", "--layers", "2", "--size", "100"]
     assert run(["mesh", "table.csg", "-o", "table.bdf", *given]) == 0
     assert client.get(f"/v1/meshes/{mesh}/deck").content == (tmp_path / "table.bdf").read_bytes()

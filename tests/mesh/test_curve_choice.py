@@ -197,9 +197,9 @@ def test_a_node_whose_surfaces_are_all_gone_is_refused_with_its_neighbours():
         assembled(buried, size=20.0, seeds={"B": 8})
 
 
-def test_tetrahedra_have_no_curves():
+def test_a_brick_that_is_not_swept_has_no_curves_to_name():
     ball = "BALL = SPH(R=20)\n"
-    with pytest.raises(OptionError, match=r"s1 \(/\): tetrahedra take sizes of segments only"):
+    with pytest.raises(OptionError, match=r"s1 \(/\): a brick that is not swept has no curves to name, only a size"):
         assembled(ball, size=20.0, seeds={"BALL": 8})
 
 
@@ -210,3 +210,14 @@ def test_an_edge_that_hangs_by_arms_is_seeded_with_the_joint_curve_that_it_hangs
     x, _, z = world(assembly, evaluated).T
     for level in (5, 10):
         assert edges_with(assembly, (np.abs(x - 80) < 1e-6) & (np.abs(z - level) < 1e-6)) == 22
+
+
+def test_an_edge_that_a_joint_only_points_at_is_one_curve():
+    rib = "RIB = WED(90, 80, 8) AT (ROTX=90, MOVX=10, MOVY=54, MOVZ=10)\nANGLE = "
+    ribbed = ANGLE.replace("ANGLE = ", rib).replace("BASE UN WALL", "BASE UN WALL UN RIB")
+    assembly, evaluated = assembled(ribbed, size=15.0, seeds={"160,50,10": 22})
+    assert audit(assembly) == WHOLE
+    nodes = world(assembly, evaluated)
+    on_it = np.abs(nodes[:, 0] - 160) < 1e-6
+    assert on_it.sum() == 23
+    assert np.allclose(np.diff(np.sort(nodes[on_it, 1])), 100 / 22)

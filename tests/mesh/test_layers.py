@@ -96,3 +96,13 @@ def test_a_boss_has_its_layers_in_the_elements_of_the_plate_that_it_continues():
 def test_layers_without_a_brick_are_told_of():
     assembly, _ = assembled("A = BLO(90, 80, 2)\n", size=15.0, layers=3)
     assert assembly.warnings == ("layers: no segment is a brick, so there is nothing to have layers",)
+
+
+@pytest.mark.parametrize("layers", [1, 2, 4])
+def test_a_turned_solid_has_the_layers_in_its_profile(layers):
+    vase = "A = CON(R1=30, R2=50, H=60)\nB = CON(R1=24, R2=44, H=60)\nC = A DIF B\n"
+    assembly, evaluated = assembled(vase, {"/": "brick"}, size=20.0, layers=layers)
+    assert "turned" in assembly.bricks["s1"]
+    nodes = assembly.mesh.nodes @ evaluated.frame.T
+    at_foot = nodes[np.abs(nodes[:, 2]) < 1e-6]
+    assert len(np.unique(np.hypot(*at_foot[:, :2].T).round(6))) - 1 >= layers
