@@ -270,7 +270,9 @@ def get_deck(
 def get_mesh_glb(
     mesh_id: str,
     context: Ctx,
-    colour: Annotated[Literal["segment", "quality"], Query(description="what the colours tell apart")] = "segment",
+    colour: Annotated[
+        Literal["segment", "quality"], Query(examples=["quality"], description="what the colours tell apart")
+    ] = "segment",
 ) -> Response:
     """The mesh as binary glTF: for each segment its faces (by name `s1`) and its element edges (`s1 edges`).
 

@@ -109,11 +109,11 @@ def test_every_operation_is_documented_with_an_example(client):
 @pytest.mark.parametrize(
     "body, told",
     [
-        ({"sise": 3}, "unknown field 'sise', expected one of size, order, "),
+        ({"sise": 3}, "unknown field 'sise', expected one of size, sizes, "),
         ({"sise": 3}, "did you mean 'size'?"),
         ({"order": 3}, "order is 3, expected 1 or 2"),
         ({"size": "abc"}, 'size is "abc", expected a valid number'),
-        ([1, 2], "the body is [1, 2], expected an object with the fields size, order, "),
+        ([1, 2], "the body is [1, 2], expected an object with the fields size, sizes, "),
         ("{", "the body is no JSON: "),
     ],
 )

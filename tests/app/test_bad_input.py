@@ -11,6 +11,7 @@ from app.cli import run
 
 BLOCK = "cube(size = [100, 60, 5], center = false);\n"
 SPHERE = "sphere($fn = 0, $fa = 12, $fs = 2, r = 10);\n"
+CONE = "cylinder($fn = 0, $fa = 12, $fs = 2, h = 20, r1 = 10, r2 = 0, center = false);\n"
 
 
 @pytest.fixture
@@ -93,7 +94,7 @@ def test_an_override_that_cannot_be_is_refused_with_the_reason(attempt):
 
 
 def test_what_cannot_be_meshed_is_named_and_has_its_own_status(attempt):
-    status, line, files = attempt(SPHERE, "--volumes", "hex")
+    status, line, files = attempt(CONE, "--override", "/=brick", "--volumes", "hex")
     assert (status, files) == (3, ["model.csg"])
     assert "s1" in line
 

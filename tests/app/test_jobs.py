@@ -61,8 +61,8 @@ def test_a_crashed_worker_fails_its_job_and_the_next_job_is_done(settings):
 
 def test_a_job_that_cannot_be_done_says_why(settings):
     with TestClient(create_app(settings)) as client:
-        sphere = "sphere($fn = 0, $fa = 12, $fs = 2, r = 10);\n"
-        model = client.post("/v1/models?name=ball.csg", content=sphere, headers=TEXT).json()["id"]
+        cone = "cylinder($fn = 0, $fa = 12, $fs = 2, h = 20, r1 = 10, r2 = 0, center = false);\n"
+        model = client.post("/v1/models?name=cone.csg", content=cone, headers=TEXT).json()["id"]
         job = client.post(f"/v1/models/{model}/meshes", json={"volumes": "hex"}).headers["location"]
         wait_until(lambda: state(client, job) == "failed")
         problem = client.get(job).json()["problem"]
