@@ -93,6 +93,8 @@ def assemble(
     tee_of = joined_tees(tee_choice(options.tee, options.joint_tees, joints), joints, torn_joints)
     parts = idealise(segments, joints, evaluated.size, options.volumes, tee_of, torn_joints)
     parts.warnings += unused_choices(options.joint_tees, joints, parts.arms)
+    ledger = volume_ledger(parts, parts.topology.curves(), evaluated.solid.true_volume)  # as joined, whatever is meshed
+    parts.warnings += unexplained(ledger, sum(segment.volume for segment in segments))
     every_segment = [segment.id for segment in segments]
     segments = _limited(parts, segments, only)
     report("idealised", 0.2)
@@ -136,8 +138,6 @@ def assemble(
             parts.warnings.append(f"{drawn} mid-side nodes were drawn back from their curves: the elements are coarse")
     chains = [seeded.nodes for seeded in curves]
     arms = arm_rows(chains, hung)
-    ledger = volume_ledger(parts, pieces, evaluated.solid.true_volume)
-    parts.warnings += unexplained(ledger, sum(segment.volume for segment in segments))
     report("tied", 1.0)
     return Assembly(
         segments=tuple(segment for segment in segments if segment.id not in parts.absorbed),
