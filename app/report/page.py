@@ -32,6 +32,9 @@ CAPTIONS = {
 CALLED = {"plates": "several plates", "split": "what its operands are", "cut": "several pieces"}
 """Types that are no thing of their own."""
 
+NEGLIGIBLE = 1e-12
+"""Products of inertia smaller than this share of the largest moment show as 0."""
+
 STYLE = """
 body { font: 15px/1.45 system-ui, sans-serif; color: #1d2530; max-width: 1100px; margin: 2rem auto; padding: 0 1rem }
 h1 { font-size: 1.5rem } h2 { font-size: 1.15rem; margin-top: 2rem; border-bottom: 1px solid #d5dbe2 }
@@ -223,6 +226,7 @@ def _checks(answer: MeshAnswer) -> str:
     rows = [
         ("mass of the solid", number(mass.solid)),
         ("mass of the model", f"{number(mass.model)} (error {mass.error:.3%})"),
+        *_moments(answer),
         ("components", str(answer.components)),
         ("volume of the segments", f"{number(answer.checks.volume_of_segments)} of {number(answer.volume)}"),
         *((kind, str(count)) for kind, count in answer.couplings.items()),
@@ -239,6 +243,20 @@ def _checks(answer: MeshAnswer) -> str:
         + _table(("check", "value"), rows)
         + (f"<h2>Ledger</h2>{listed}" if ledger else "")
     )
+
+
+def _moments(answer: MeshAnswer) -> list[tuple[str, str]]:
+    """Centre of gravity and moments of inertia about it, of the solid and of the model."""
+    checks = answer.checks.model_extra or {}
+    rows = []
+    for name, title in (("centre", "centre of gravity"), ("inertia", "inertia Ixx Iyy Izz Ixy Ixz Iyz")):
+        for of in ("solid", "model") if name in checks else ():
+            value = np.array(checks[name][of])
+            if name == "inertia":
+                value = value[[0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2]]
+                value = np.where(np.abs(value) < NEGLIGIBLE * np.abs(value).max(), 0.0, value)
+            rows.append((f"{title} of the {of}", "  ".join(number(float(part)) for part in value)))
+    return rows
 
 
 def _seconds(seconds: dict[str, float]) -> str:

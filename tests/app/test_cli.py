@@ -185,7 +185,15 @@ def test_the_report_is_one_page_with_its_pictures_inside(csgmesh, tmp_path):
     pictures = [base64.b64decode(data) for data in re.findall(r"data:image/png;base64,([^\"]+)", page)]
     assert [struct.unpack(">II", picture[16:24]) for picture in pictures] == [(900, 640)] * 4
     assert re.findall(r"(?:src|href)=\"(?!data:)", page) == []
-    for told in ("end_on", "beam", "scaled jacobian", "All checks hold", "as wide as thick", "It is not a beam"):
+    for told in (
+        "end_on",
+        "beam",
+        "scaled jacobian",
+        "All checks hold",
+        "as wide as thick",
+        "It is not a beam",
+        "centre of gravity of the model",
+    ):
         assert told in page, told
     assert "0 block" in page and "holes 0" not in page and "0 holes" not in page
     assert page.count("1500 x 800 x 785 mm along x, y, z") == 8  # under each of four pictures, and instead of it
