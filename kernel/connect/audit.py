@@ -11,6 +11,7 @@ from kernel.connect.bodies import Bodies
 from kernel.connect.model import Mpc, Rbe2
 from kernel.mesh.elements import ELEMENT_KINDS
 from kernel.mesh.order import middle_nodes
+from kernel.pieces import connected_pieces
 
 if TYPE_CHECKING:
     from kernel.connect.model import Coupling, Model
@@ -155,7 +156,7 @@ def loose_arms(model: Model, arms: NDArray[np.int64]) -> int:
 
 
 def component_labels(model: Model) -> NDArray[np.int64]:
-    """(n_node,) a label for each node, equal within a piece: the smallest is passed on until nothing changes."""
+    """(n_node,) a label for each node, equal within a piece."""
     pairs: list[NDArray[np.int64]] = []
     for block in model.mesh.blocks:
         nodes = block.connectivity
@@ -163,22 +164,8 @@ def component_labels(model: Model) -> NDArray[np.int64]:
     for coupling in model.couplings:
         members = coupling_nodes(coupling)
         pairs.append(np.column_stack([np.full(len(members) - 1, members[0]), members[1:]]))
-    labels = np.arange(model.mesh.n_node)
-    if not pairs:
-        return labels
-    first, second = np.concatenate(pairs).T
-    while True:
-        low = np.minimum(labels[first], labels[second])
-        before = labels.copy()
-        np.minimum.at(labels, labels[first], low)  # hook the roots
-        np.minimum.at(labels, labels[second], low)
-        while True:  # then shorten the paths
-            jumped = labels[labels]
-            if np.array_equal(jumped, labels):
-                break
-            labels = jumped
-        if np.array_equal(labels, before):
-            return labels
+    first, second = np.concatenate(pairs).T if pairs else np.empty((2, 0), np.int64)
+    return connected_pieces(model.mesh.n_node, first, second)
 
 
 def coupling_nodes(coupling: Coupling) -> NDArray[np.int64]:

@@ -73,6 +73,7 @@ def find_joints(segments: Sequence[Segment], evaluated: Evaluated) -> tuple[Join
         if parts:
             first, second = sorted((one, other), key=lambda row: row.segment)
             found.append((first, second, parts[0] if len(parts) == 1 else MultiPolygon(parts)))
+    middles = _Middles()
     found.sort(key=lambda item: (item[0].segment, item[1].segment, item[0].surface, item[0].side))
     for first, second, patch in found:
         surface = table.surfaces[first.surface]
@@ -82,7 +83,7 @@ def find_joints(segments: Sequence[Segment], evaluated: Evaluated) -> tuple[Join
         joints.append(
             Joint(
                 id=f"j{len(joints) + 1}",
-                kind=_kind(pair, first.surface, normal, centre),
+                kind=_kind(pair, first.surface, normal, centre, middles),
                 segments=(pair[0].id, pair[1].id),
                 surface=first.surface,
                 area=float(patch.area),
@@ -199,7 +200,22 @@ def _almost_facing(
 # ---------------------------------------------------------------- kinds
 
 
-def _kind(pair: tuple[Segment, Segment], surface: int, normal: Array, centre: Array) -> str:
+class _Middles:
+    """The mid-sections of plates, made once: a floor has thousands of joints."""
+
+    def __init__(self) -> None:
+        self._known: dict[str, Polygon | MultiPolygon] = {}
+
+    def of(self, segment: Segment, plate: PlateShape) -> Polygon | MultiPolygon:
+        """The section of a plate in its mid-plane, in coordinates (x.u, x.v)."""
+        if segment.id not in self._known:
+            section = slice_polygon(segment.solid.facets, plate.normal, plate.mid_offset, plate.u, plate.v)
+            shapely.prepare(section)
+            self._known[segment.id] = section
+        return self._known[segment.id]
+
+
+def _kind(pair: tuple[Segment, Segment], surface: int, normal: Array, centre: Array, middles: _Middles) -> str:
     """One of joints.JOINT_KINDS."""
     beams = [segment.shape for segment in pair if isinstance(segment.shape, BeamShape)]
     if beams:
@@ -210,10 +226,10 @@ def _kind(pair: tuple[Segment, Segment], surface: int, normal: Array, centre: Ar
         return "face"
     if any(isinstance(segment.shape, CylinderShape) for segment in pair):
         return "pipe"
-    return _wall_kind(pair, surface, centre)
+    return _wall_kind(pair, surface, centre, middles)
 
 
-def _wall_kind(pair: tuple[Segment, Segment], surface: int, centre: Array) -> str:
+def _wall_kind(pair: tuple[Segment, Segment], surface: int, centre: Array, middles: _Middles) -> str:
     a, b = pair[0].shape, pair[1].shape
     assert isinstance(a, PlateShape)
     assert isinstance(b, PlateShape)
@@ -223,11 +239,11 @@ def _wall_kind(pair: tuple[Segment, Segment], surface: int, centre: Array) -> st
             return "lap"
         apart = a.mid_offset - b.mid_offset * float(np.sign(a.normal @ b.normal))
         return "edge" if abs(apart) <= 10 * table.tolerance else "step"
-    sides = sorted((_sides(pair[0], pair[1], centre), _sides(pair[1], pair[0], centre)))
+    sides = sorted((_sides(pair[0], pair[1], centre, middles), _sides(pair[1], pair[0], centre, middles)))
     return {(2, 2): "cross", (1, 1): "corner", (0, 1): "corner", (0, 0): "corner"}.get((sides[0], sides[1]), "tee")
 
 
-def _sides(segment: Segment, other: Segment, centre: Array) -> int:
+def _sides(segment: Segment, other: Segment, centre: Array, middles: _Middles) -> int:
     """On how many sides of the other plate's slab this plate goes on, next to the contact."""
     own, across = segment.shape, other.shape
     assert isinstance(own, PlateShape)
@@ -241,6 +257,5 @@ def _sides(segment: Segment, other: Segment, centre: Array) -> int:
     away = away / sine
     # a hair beyond the slab's faces
     reach = 0.5 * across.thickness / sine + 0.05 * min(own.thickness, across.thickness)
-    section = slice_polygon(segment.solid.facets, own.normal, own.mid_offset, own.u, own.v)
     points = here.flat(np.array([middle + reach * away, middle - reach * away]))
-    return int(np.count_nonzero(shapely.contains_xy(section, points)))
+    return int(np.count_nonzero(shapely.contains_xy(middles.of(segment, own), points)))

@@ -14,11 +14,12 @@ from kernel.errors import ConnectError
 from kernel.idealise.carriers import Carrier, Line, Traced, distance_to
 from kernel.idealise.implicit import project
 from kernel.idealise.intersections import intersection
-from kernel.idealise.outlines import unwrapped, windowed
+from kernel.idealise.outlines import PolygonLike, unwrapped, windowed
+from kernel.idealise.sheets import PlaneSheet
 from kernel.idealise.topology import Topology
 from kernel.idealise.walls import CROSSING_SINE, Wall, patch_points
 from kernel.solid.boxes import BoxIndex
-from kernel.solid.surfaces import CylinderSurface, Plane, Surface, signed_distance
+from kernel.solid.surfaces import CylinderSurface, Plane, Surface, cross, signed_distance
 
 Array = NDArray[np.float64]
 Interval = tuple[float, float]
@@ -39,13 +40,14 @@ class Crossing:
     """The curve `carrier` in which the mid-surfaces of two walls meet, and where each wall's material reaches it.
 
     gap: by wall, how far its mid-surface may end before the other's face: a wall that stands askew and is cut square
-    touches with one corner only.
+    touches with one corner only. slabs: by wall, the other's slab in its sheet all along the curve, once asked for.
     """
 
     walls: tuple[Wall, Wall]
     carrier: int
     reach: dict[int, list[Interval]]
     gap: dict[int, float] = field(default_factory=dict)
+    slabs: dict[int, PolygonLike] = field(default_factory=dict)
 
     def other(self, wall: Wall) -> Wall:
         """The wall on the far side."""
@@ -124,9 +126,13 @@ def slab_edges(wall: Wall, other: Wall, points: Array, margin: float) -> tuple[A
 
     margin: by how much the slab is taken thicker on each side.
     """
+    half = 0.5 * other.thickness + margin
+    if isinstance(wall.sheet, PlaneSheet) and isinstance(other.sheet, PlaneSheet):
+        aside = cross(wall.sheet.normal, cross(wall.sheet.normal, other.sheet.normal))
+        shift = aside * (half / float(aside @ aside))
+        return points - shift, points + shift
     across = np.cross(wall.sheet.normals(points), np.cross(wall.sheet.normals(points), other.sheet.normals(points)))
     sine = np.linalg.norm(across, axis=1)[:, None]
-    half = 0.5 * other.thickness + margin
     sides = []
     for sign in (1.0, -1.0):
         guess = points - sign * across / sine * (half / sine)

@@ -111,15 +111,11 @@ def _imprint_face(topology: Topology, candidates: list[Candidate]) -> None:
     drawn = [_Drawn(topology, wall.sheet, candidate.stretch) for candidate in candidates]
     cuts: list[list[tuple[float, Array]]] = [[] for _ in drawn]
     lines = [*drawn, *own]
-    tree = shapely.STRtree([line.line for line in lines])
+    meetings = _meetings([one.stretch.carrier for one in lines], [one.line for one in lines], len(drawn))
     for number, here in enumerate(drawn):
-        for other in sorted(tree.query(here.line).tolist()):
+        for other, met in meetings.get(number, ()):
             there = lines[other]
-            if other == number or there.stretch.carrier == here.stretch.carrier:
-                continue
-            if other < len(drawn) and other < number:
-                continue
-            for point in _crossings(topology, wall.sheet, here, there):
+            for point in _crossings(topology, wall.sheet, here, there, met):
                 if _is_common_end(topology, here.stretch, there.stretch, point):
                     continue
                 _cut(topology, here.stretch, point, cuts[number])
@@ -157,9 +153,27 @@ class _Drawn:
         self.line = windowed(sheet, shapely.LineString(flat))
 
 
-def _crossings(topology: Topology, sheet: Sheet, one: _Drawn, other: _Drawn) -> list[Array]:
-    """Exact common points of two stretches on different carriers."""
-    met = one.line.intersection(other.line)
+def _meetings(
+    carriers: Sequence[int], lines: Sequence[shapely.Geometry], n_drawn: int
+) -> dict[int, list[tuple[int, shapely.Geometry]]]:
+    """By number of each of the first n_drawn lines: the later ones of other carriers that it meets, and where."""
+    first, second = (
+        np.array(sorted(shapely.STRtree(lines).query(lines[:n_drawn]).T.tolist()), np.int64).reshape(-1, 2).T
+    )
+    carrier = np.array(carriers)
+    wanted = (second > first) & (carrier[first] != carrier[second])
+    first, second = first[wanted], second[wanted]
+    held = np.array(lines, dtype=object)
+    common = shapely.intersection(held[first], held[second])
+    found: dict[int, list[tuple[int, shapely.Geometry]]] = {}
+    for one, other, met in zip(first.tolist(), second.tolist(), common):
+        if not met.is_empty:
+            found.setdefault(one, []).append((other, met))
+    return found
+
+
+def _crossings(topology: Topology, sheet: Sheet, one: _Drawn, other: _Drawn, met: shapely.Geometry) -> list[Array]:
+    """Exact common points of two stretches on different carriers. met: what their lines have in common."""
     points = []
     for part in shapely.get_parts(met):
         if part.geom_type == "Point":

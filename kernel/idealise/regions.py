@@ -96,6 +96,14 @@ def strip(
     return windowed(wall.sheet, polygon if polygon.is_valid else polygon.buffer(0))
 
 
+def slab(topology: Topology, wall: Wall, crossing: Crossing) -> PolygonLike:
+    """The other wall's slab in this wall's sheet, all along the joint curve."""
+    if wall.index not in crossing.slabs:
+        ends = whole_range(topology, topology.carrier(crossing.carrier), wall.segment.solid.bounds)
+        crossing.slabs[wall.index] = strip(topology, wall, crossing, *ends)
+    return crossing.slabs[wall.index]
+
+
 def _region(
     topology: Topology, wall: Wall, crossings: list[Crossing], nearby: list[Segment], sections: _Sections
 ) -> PolygonLike:
@@ -109,7 +117,7 @@ def _region(
         gap = crossing.gap.get(wall.index, 0.0)
         if gap:
             gaps += [strip(topology, wall, crossing, *ends, gap) for ends in crossing.reach[wall.index]]
-        slabs.append(strip(topology, wall, crossing, *whole_range(topology, carrier, wall.segment.solid.bounds)))
+        slabs.append(slab(topology, wall, crossing))
         beyond = CUT_BEYOND * 0.5 * other.thickness
         for intervals in crossing.reach.values():
             for start, end in intervals:

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from kernel.pieces import connected_pieces
 from kernel.solid.surfaces import CylinderSurface
 
 if TYPE_CHECKING:
@@ -85,12 +86,8 @@ def _beside(facets: Facets, held: NDArray[np.int64]) -> tuple[NDArray[np.int64],
 
 def _patches(beside: NDArray[np.int64], place: NDArray[np.int64], which: NDArray[np.int64]) -> NDArray[np.int64]:
     """(n,) the number of each triangle's patch: triangles of one cylinder that hang together by their edges."""
-    from scipy.sparse import coo_array
-    from scipy.sparse.csgraph import connected_components
-
     rows, sides = np.nonzero((place >= 0) & (which[place] == which[:, None]))
-    links = coo_array((np.ones(len(rows)), (rows, place[rows, sides])), shape=(len(beside), len(beside)))
-    return np.asarray(connected_components(links, directed=False)[1], dtype=np.int64)
+    return np.unique(connected_pieces(len(beside), rows, place[rows, sides]), return_inverse=True)[1]
 
 
 def _edges(

@@ -16,6 +16,7 @@ import numpy as np
 from manifold3d import Manifold, Mesh64, triangulate
 from numpy.typing import NDArray
 
+from kernel.pieces import connected_pieces
 from kernel.solid.facets import Facets, edge_neighbours
 from kernel.solid.solid import Solid
 from kernel.solid.surfaces import Plane
@@ -92,15 +93,11 @@ def _folded(solid: Solid) -> list[tuple[Indices, Plane]]:
 
 def _connected(neighbours: Indices, own: Indices) -> list[Indices]:
     """The triangles `own` in groups that share edges."""
-    from scipy.sparse import coo_matrix
-    from scipy.sparse.csgraph import connected_components
-
     place = {triangle: index for index, triangle in enumerate(own.tolist())}
     pairs = [(index, place[other]) for index, row in enumerate(neighbours.tolist()) for other in row if other in place]
     rows, columns = np.array(pairs, dtype=np.int64).reshape(-1, 2).T
-    graph = coo_matrix((np.ones(len(rows)), (rows, columns)), shape=(len(own), len(own)))
-    count, labels = connected_components(graph, directed=False)
-    return [own[labels == label] for label in range(count)]
+    labels = connected_pieces(len(own), rows, columns)
+    return [own[labels == label] for label in np.unique(labels)]
 
 
 def _retriangulated(facets: Facets, triangles: Indices, plane: Plane) -> Indices | None:
