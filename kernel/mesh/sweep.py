@@ -114,7 +114,8 @@ def _counts(
         if wish.count is None:
             free = inside & ~fixed
             if held < wish.least and free.any():
-                counts[free] = np.ceil(lengths[free] / (wish.end - wish.start) * wish.least - _SAME_LEVEL)
+                shares = np.ceil(lengths[free] / (wish.end - wish.start) * wish.least - _SAME_LEVEL)
+                counts[free] = np.maximum(counts[free], shares.astype(np.int64))  # another wish may need more
             continue
         if wish.count < inside.sum() or (fixed[inside].any() and held != wish.count):
             raise OptionError(

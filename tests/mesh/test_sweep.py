@@ -10,7 +10,7 @@ from kernel.mesh.mesh import ElementBlock, Mesh
 from kernel.mesh.order import to_second_order
 from kernel.mesh.region import RegionMesh
 from kernel.mesh.shapes import corner_rule, integration_rule, jacobians, measures
-from kernel.mesh.sweep import divide_levels, sweep
+from kernel.mesh.sweep import LevelWish, divide_levels, sweep
 
 # two quads and two triangles:   3--4--5
 #                                |  | /|   the unit square twice
@@ -129,3 +129,11 @@ def test_a_fold_among_many_elements_is_found_whatever_the_chunk() -> None:
     points[number[60, 60]] += [1.5, 0.0]  # beyond its neighbour
     with pytest.raises(MeshError, match=r"4 of 9800 swept hex8 elements .* at \(60.\d*, 59.5, 0.5\)"):
         sweep(flat, straight, np.array([0.0, 1.0, 2.0]))
+
+
+@pytest.mark.parametrize("order", [1, -1])
+def test_layers_of_a_long_piece_take_none_from_a_short_one_within_it(order):
+    wishes = [LevelWish(0.0, 1.0, least=10), LevelWish(0.0, 10.0, least=12)]
+    levels = divide_levels([0.0, 1.0, 10.0], 20.0, wishes[::order])
+    assert (levels <= 1.0 + 1e-12).sum() - 1 >= 10
+    assert len(levels) - 1 >= 12
