@@ -13,8 +13,9 @@ from kernel.connect.equations import Expression, Freedom, rows
 from kernel.connect.merge import Connected, connect
 from kernel.connect.model import Coupling, Model
 from kernel.connect.reference import renumbered, renumbered_arms
-from kernel.edit.edited import Edited, at_text, dependent_nodes, independent_nodes, renumbered_coupling, renumbered_sets
+from kernel.edit.edited import Edited, dependent_nodes, independent_nodes, renumbered_coupling, renumbered_sets
 from kernel.errors import ConnectError, OptionError
+from kernel.places import place_text
 
 
 def connect_model(edited: Edited, tolerance: float | None = None, segments: Collection[str] | None = None) -> Edited:
@@ -67,7 +68,7 @@ def _refuse_hinges(model: Model, found: Connected) -> None:
     hinges = np.flatnonzero(has_turning & has_still)
     if len(hinges):
         raise ConnectError(
-            f"at {at_text(found.mesh.nodes[hinges[0]])} a node of beams or shells lies on a node of solids, "
+            f"at {place_text(found.mesh.nodes[hinges[0]])} a node of beams or shells lies on a node of solids, "
             "which has no rotations: joined they would be a hinge; expected a coupling, as meshing both together gives"
         )
 
@@ -85,7 +86,7 @@ def _with_ties(couplings: list[Coupling], found: Connected) -> list[Coupling]:
         for freedom, row in rows(coupling, nodes):
             if freedom in taken:
                 raise ConnectError(
-                    f"the node at {at_text(nodes[freedom[0]])} would depend on two couplings, expected one: "
+                    f"the node at {place_text(nodes[freedom[0]])} would depend on two couplings, expected one: "
                     "connect before coupling, or leave its segment out"
                 )
             taken.add(freedom)

@@ -89,11 +89,6 @@ def renumbered_sets(sets: Sequence[NamedSet], nodes: Indices, elements: Indices)
     return tuple(found)
 
 
-def at_text(place: Array) -> str:
-    """A place as messages show it."""
-    return f"({', '.join(f'{value:.6g}' for value in place)})"
-
-
 def unique_name(name: str, taken: Collection[str]) -> str:
     """The name, with a number at its end where it is taken."""
     candidate, number = name, 2

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kernel.connect.build import clean_coordinates
-from kernel.edit.edited import Edited, at_text
+from kernel.edit.edited import Edited
 from kernel.edit.fitted import Fitted
 from kernel.edit.locate import Found, nearest_element, project_on
 from kernel.edit.patch import Split, insert_in_patch, kept_edges, surface_of
@@ -21,6 +21,7 @@ from kernel.mesh.elements import ELEMENT_KINDS
 from kernel.mesh.mesh import ElementBlock
 from kernel.mesh.quality import refuse_inverted
 from kernel.mesh.shapes import shape_values
+from kernel.places import place_text
 
 Array = NDArray[np.float64]
 
@@ -45,7 +46,7 @@ def add_node(edited: Edited, at: Array, tolerance: float | None = None) -> Edite
     reach = AT_PLACE * edited.reference.size if tolerance is None else tolerance
     distances = np.linalg.norm(model.mesh.nodes - place, axis=1)
     if distances.min() <= AT_PLACE * edited.reference.size:
-        raise OptionError(f"there is a node at {at_text(place)} already")
+        raise OptionError(f"there is a node at {place_text(place)} already")
     found = nearest_element(model.mesh, place, (1, 2))
     if found is None:
         raise OptionError("the mesh has no beams and no shells, expected some: in solids move the nearest node instead")
@@ -57,14 +58,14 @@ def add_node(edited: Edited, at: Array, tolerance: float | None = None) -> Edite
     on = clean_coordinates(work.nodes[node], edited.reference.size)
     changed, reference = work.finished()
     refuse_inverted(changed.mesh)
-    return edited.done(changed, reference, f"added a node at {at_text(on)} in {told}")
+    return edited.done(changed, reference, f"added a node at {place_text(on)} in {told}")
 
 
 def _refuse_off(place: Array, on: Array, reach: float, what: str) -> None:
     if np.linalg.norm(place - on) > reach:
         raise OptionError(
-            f"{at_text(place)} lies {np.linalg.norm(place - on):.4g} beside {what}, expected a place on it: "
-            f"the nearest is {at_text(on)}"
+            f"{place_text(place)} lies {np.linalg.norm(place - on):.4g} beside {what}, expected a place on it: "
+            f"the nearest is {place_text(on)}"
         )
 
 
@@ -120,8 +121,8 @@ def _in_shell(work: Workpiece, found: Found, place: Array, reach: float) -> tupl
             return _on_curve(work, edge, share, foot, place, reach)
         if beside < TOO_NEAR * length:
             raise OptionError(
-                f"{at_text(place)} lies {beside:.4g} beside an edge of {segment}, expected a place on it, such as "
-                f"{at_text(foot)}, or further than {TOO_NEAR * length:.4g} from it"
+                f"{place_text(place)} lies {beside:.4g} beside an edge of {segment}, expected a place on it, such as "
+                f"{place_text(foot)}, or further than {TOO_NEAR * length:.4g} from it"
             )
     _refuse_off(place, on, reach, f"the mid-surface of {segment}")
     node = int(work.add_nodes(on[None])[0])
@@ -163,18 +164,20 @@ def _on_curve(work: Workpiece, edge: Edge, share: float, on: Array, place: Array
     """Split an edge in every segment that has it. on: where the place falls on it, share of the way along."""
     arms = work.reference.arms.reshape(-1, 2, 2)
     if (np.sort(arms, axis=2) == edge).all(axis=2).any():
-        raise MeshError(f"the edge at {at_text(place)} hangs by rigid arms, or carries them: it cannot be split")
+        raise MeshError(f"the edge at {place_text(place)} hangs by rigid arms, or carries them: it cannot be split")
     segments: dict[str, str] = {}
     for block in work.blocks:
         kind = ELEMENT_KINDS[block.kind]
         has_both = np.isin(block.connectivity[:, : kind.n_corner], edge).sum(axis=1) == 2
         if kind.dimension == 3 and has_both.any():
-            raise MeshError(f"the edge at {at_text(place)} belongs to solids of {block.segment}, which cannot be split")
+            raise MeshError(
+                f"the edge at {place_text(place)} belongs to solids of {block.segment}, which cannot be split"
+            )
         if has_both.any():
             segments[block.segment] = block.kind
     middle = work.middles.get(edge)
     if middle is not None and middle in work.held:
-        raise MeshError(f"the mid-side node of the edge at {at_text(place)} is held by a coupling")
+        raise MeshError(f"the mid-side node of the edge at {place_text(place)} is held by a coupling")
     fits = {name: surface_of(work, name, place) for name, kind in segments.items() if not kind.startswith("line")}
     line, numbers = _line_of(work, edge)
     halves = shape_values(line, np.array([[share - 1], [share]])) @ work.nodes[numbers]

@@ -18,7 +18,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from kernel.edit.edited import at_text
 from kernel.edit.fitted import Fitted, FittedCylinder, fit_surface
 from kernel.edit.workpiece import Edge, Workpiece
 from kernel.errors import MeshError
@@ -27,6 +26,7 @@ from kernel.mesh.mesh import ElementBlock
 from kernel.mesh.planar import mesh_region
 from kernel.mesh.quality import element_quality
 from kernel.mesh.region import Region, RegionMesh
+from kernel.places import place_text
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
@@ -143,7 +143,9 @@ def insert_in_patch(
             break
     if best is None or best.quality < LEAST:
         why = complaint if best is None else f"the worst element would have a scaled Jacobian of {best.quality:.2f}"
-        raise MeshError(f"{segment} cannot have a node at {at_text(place)}: {why or 'its elements there are too few'}")
+        raise MeshError(
+            f"{segment} cannot have a node at {place_text(place)}: {why or 'its elements there are too few'}"
+        )
     _put(work, segment, fitted, best, split)
     return best.quality
 

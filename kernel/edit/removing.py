@@ -11,11 +11,12 @@ from numpy.typing import NDArray
 from kernel.connect.audit import connected_components, coupling_nodes
 from kernel.connect.model import Coupling, Model, Mpc, Rbe2
 from kernel.connect.reference import part_of, renumbered, renumbered_arms
-from kernel.edit.edited import Edited, at_text, known_segment, renumbered_coupling, renumbered_sets, segment_names
+from kernel.edit.edited import Edited, known_segment, renumbered_coupling, renumbered_sets, segment_names
 from kernel.errors import MeshError, OptionError
 from kernel.mesh.elements import ELEMENT_KINDS
 from kernel.mesh.mesh import ElementBlock, Mesh
 from kernel.mesh.quality import refuse_inverted
+from kernel.places import place_text
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
@@ -117,13 +118,11 @@ def move_node(edited: Edited, at: Array, to: Array) -> Edited:
     nodes[beside] += 0.5 * delta
     for coupling in model.couplings:
         if isinstance(coupling, Mpc) and not {node, *beside.tolist()}.isdisjoint(coupling.nodes.tolist()):
-            raise MeshError(f"the node at {at_text(np.asarray(at))} stands in an equation that holds only where it is")
+            raise MeshError(f"the node at {place_text(at)} stands in an equation that holds only where it is")
     nodes.flags.writeable = False
     moved = replace(model, mesh=Mesh(nodes, model.mesh.blocks))
     refuse_inverted(moved.mesh)
-    return edited.done(
-        moved, edited.reference, f"moved the node at {at_text(np.asarray(at))} to {at_text(nodes[node])}"
-    )
+    return edited.done(moved, edited.reference, f"moved the node at {place_text(at)} to {place_text(nodes[node])}")
 
 
 def node_at(model: Model, at: Array, size: float) -> int:
@@ -132,7 +131,7 @@ def node_at(model: Model, at: Array, size: float) -> int:
     nearest = int(np.argmin(distances))
     if distances[nearest] > AT_NODE * size:
         raise OptionError(
-            f"there is no node at {at_text(np.asarray(at))}, the nearest is at {at_text(model.mesh.nodes[nearest])}"
+            f"there is no node at {place_text(at)}, the nearest is at {place_text(model.mesh.nodes[nearest])}"
         )
     return nearest
 

@@ -180,9 +180,9 @@ def _tees(
             continue  # four walls in a cross
         tee = _as_tee(topology, crossing, web, flanges, stretch)
         if tee is None:
-            x, y, z = topology.carrier(stretch.carrier).at(np.array([0.5 * (stretch.start + stretch.end)]))[0]
+            amid = topology.carrier(stretch.carrier).at(np.array([0.5 * (stretch.start + stretch.end)]))[0]
             warnings.append(
-                f"{web.segment.id} is carried on into {other.segment.id} near ({x:.6g}, {y:.6g}, {z:.6g}): it has no "
+                f"{web.segment.id} is carried on into {other.segment.id} near {topology.place_text(amid)}: it has no "
                 "edge at the face there from which an arm could reach"
             )
         else:

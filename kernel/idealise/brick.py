@@ -200,7 +200,7 @@ def _make_group(
     frame = plane_frame(direction)
     start = min(float((segment.solid.facets.vertices @ direction).min()) for segment in segments)
     sheet = plane_sheet_at(direction, start, frame.u, frame.v, segments[0].solid.surfaces)
-    own = Topology(topology.tolerance, topology.carriers.reach)
+    own = Topology(topology.tolerance, topology.carriers.reach, topology.frame)
     bricks, rings, round_shares = _pieces(own, segments, sheet)
     feet = []
     for joint in joints:

@@ -75,8 +75,8 @@ def cells_of(topology: Topology, sheet: PlaneSheet, curves: Sequence[Curve]) -> 
         if not polygon.is_valid:
             polygon = polygon.buffer(0)
         if polygon.geom_type != "Polygon" or polygon.is_empty:
-            x, y, z = sheet.lift(points[:1])[0]
-            raise MeshError(f"curves of the section lie on one another near ({x:.6g}, {y:.6g}, {z:.6g})")
+            place = topology.place_text(sheet.lift(points[:1])[0])
+            raise MeshError(f"curves of the section lie on one another near {place}")
         cells.append(Cell(rings, polygon))
     return cells
 

@@ -195,9 +195,9 @@ def _refuse_tangents(topology: Topology, crossing: Crossing) -> None:
     sine = np.linalg.norm(np.cross(a.sheet.normals(points), b.sheet.normals(points)), axis=1)
     worst = int(np.argmin(sine))
     if sine[worst] < CROSSING_SINE:
-        x, y, z = points[worst]
         raise ConnectError(
-            f"the mid-surfaces of {a.segment.id} and {b.segment.id} meet at no angle near ({x:.6g}, {y:.6g}, {z:.6g}) "
+            f"the mid-surfaces of {a.segment.id} and {b.segment.id} meet at no angle near "
+            f"{topology.place_text(points[worst])} "
             "(walls of nearly equal radius), expected 10 degrees or more: one of them may be made a brick"
         )
 

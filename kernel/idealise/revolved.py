@@ -89,10 +89,12 @@ class RevolvedBrick:
         return float(self.axis.point @ self.sheet.u)
 
 
-def revolved_brick(segment: Segment, tolerance: float, reach: float) -> RevolvedBrick | None:
+def revolved_brick(
+    segment: Segment, tolerance: float, reach: float, frame: Array | None = None
+) -> RevolvedBrick | None:
     """The segment as a solid of revolution, None where it is none or its core has a tip, a void, or no room.
 
-    tolerance, reach: lengths, as of the model's topology.
+    tolerance, reach, frame: of the model's topology.
     """
     solid = segment.solid
     axis = revolution_axis(solid, tolerance)
@@ -101,7 +103,7 @@ def revolved_brick(segment: Segment, tolerance: float, reach: float) -> Revolved
     u = np.cos(SEAM_ANGLE) * axis.x + np.sin(SEAM_ANGLE) * axis.y  # off the facets' edges
     normal = cross(u, axis.direction)
     sheet = plane_sheet_at(normal, float(normal @ axis.point), u, axis.direction, solid.surfaces)
-    topology = Topology(tolerance, reach)
+    topology = Topology(tolerance, reach, frame)
     rings = section_outline(topology, solid, sheet)
     if not rings:
         return None

@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kernel.idealise.carriers import Carrier, CarrierTable, VertexTable
+from kernel.places import place_text
 
 Array = NDArray[np.float64]
 
@@ -69,12 +70,18 @@ class Curve:
 class Topology:
     """Collects spans and cuts; `curves` then gives the curves."""
 
-    def __init__(self, tolerance: float, reach: float) -> None:
+    def __init__(self, tolerance: float, reach: float, frame: Array | None = None) -> None:
+        """tolerance, reach: lengths. frame: (3, 3), user's point = frame @ working point; None where they are one."""
         self.tolerance = tolerance
+        self.frame: Array = np.eye(3) if frame is None else frame
         self.carriers = CarrierTable(tolerance, reach)
         self.vertices = VertexTable(tolerance)
         self._spans: dict[int, list[Span]] = {}
         self._cuts: dict[int, list[tuple[float, Array]]] = {}
+
+    def place_text(self, point: Array) -> str:
+        """A working point (3,) as messages show it, in the user's frame."""
+        return place_text(self.frame @ point)
 
     def carrier(self, index: int) -> Carrier:
         """The carrier of that index."""

@@ -95,10 +95,10 @@ def hung_curves(topology: Topology, curves: Sequence[Curve], hangings: Sequence[
             ends = (first[1], last[1]) if is_forward else (last[1], first[1])
             edge = between(arm.edge.carrier, *ends, {arm.web.index})
             if (along is None) != (edge is None):
-                x, y, z = topology.carrier(arm.along.carrier).at(np.array([first[0]]))[0]
+                place = topology.place_text(topology.carrier(arm.along.carrier).at(np.array([first[0]]))[0])
                 raise DefectError(
                     f"the edge of {arm.web.segment.id} and the joint curve in {arm.flanges[0].segment.id} are divided "
-                    f"differently near ({x:.6g}, {y:.6g}, {z:.6g})"
+                    f"differently near {place}"
                 )
             if along is not None and edge is not None:
                 shifts = [_shift(topology, arm, pair) for pair in (first, last)]

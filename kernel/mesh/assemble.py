@@ -91,7 +91,7 @@ def assemble(
     sizes = planned.by_segment
     torn_joints = wanted_apart(joints, [joint.id for joint in joints] if only is not None else apart)
     tee_of = joined_tees(tee_choice(options.tee, options.joint_tees, joints), joints, torn_joints)
-    parts = idealise(segments, joints, evaluated.size, options.volumes, tee_of, torn_joints)
+    parts = idealise(segments, joints, evaluated.size, options.volumes, tee_of, torn_joints, evaluated.frame)
     parts.warnings += unused_choices(options.joint_tees, joints, parts.arms)
     ledger = volume_ledger(parts, parts.topology.curves(), evaluated.solid.true_volume)  # as joined, whatever is meshed
     parts.warnings += unexplained(ledger, sum(segment.volume for segment in segments))
@@ -164,13 +164,14 @@ def idealise(
     volumes: str = "auto",
     tee_of: TeeOf = extended,
     apart: Collection[str] = (),
+    frame: np.ndarray | None = None,
 ) -> Parts:
     """Walls joined to one topology with all their imprints, beams with their axes, swept bricks in groups.
 
     size: the model's. volumes: as in MeshOptions. tee_of: how the tees of two segments are made. apart: joints that
-    only walls take notice of, whose mid-surfaces meet there.
+    only walls take notice of, whose mid-surfaces meet there. frame: as in Topology.
     """
-    topology = Topology(VERTEX_TOLERANCE * size, size)
+    topology = Topology(VERTEX_TOLERANCE * size, size, frame)
     parts = Parts(topology, {segment.id: segment for segment in segments}, tuple(joints))
     for segment in segments:
         if segment.type in ("plate", "cylinder_plate"):

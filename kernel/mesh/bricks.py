@@ -19,7 +19,7 @@ from kernel.mesh.elements import ELEMENT_KINDS
 from kernel.mesh.faces import CurvesByFace, FaceMesh, curve_middles
 from kernel.mesh.layers import layered_size, level_wishes
 from kernel.mesh.mesh import ElementBlock
-from kernel.mesh.method import not_a_stack, place_text, swept_text, turned_text
+from kernel.mesh.method import not_a_stack, swept_text, turned_text
 from kernel.mesh.nodes import NodeTable
 from kernel.mesh.options import MeshOptions
 from kernel.mesh.region import RegionMesh
@@ -27,6 +27,7 @@ from kernel.mesh.revolve import mesh_revolved
 from kernel.mesh.section import CHORD_LOSS, UnfitSection, mesh_section
 from kernel.mesh.seeding import SeedRules, growth_rate
 from kernel.mesh.sweep import LevelWish, divide_levels, sweep
+from kernel.places import place_text
 from kernel.segment.segments import Segment
 
 Array = NDArray[np.float64]
@@ -259,7 +260,8 @@ def _turned(
 ) -> BrickMesh | None:
     """A solid of revolution turned about its axis; None where it is none, or would be meshed badly so."""
     try:
-        brick = revolved_brick(segment, parts.topology.tolerance, parts.topology.carriers.reach)
+        topology = parts.topology
+        brick = revolved_brick(segment, topology.tolerance, topology.carriers.reach, topology.frame)
         if brick is None:
             return None
         body = mesh_revolved(brick, size, options.faces, options.order, rules)

@@ -28,6 +28,7 @@ from kernel.mesh.curve_names import point_of
 from kernel.mesh.options import MOST_COUNTED, MeshOptions
 from kernel.mesh.seeding import CurveWish
 from kernel.mesh.shares import shared_out
+from kernel.places import place_text
 from kernel.segment.addresses import depth, is_under, node_of, segments_of
 from kernel.solid.solid import Solid
 
@@ -240,8 +241,8 @@ class _Choice:
     # ---- messages
 
     def _at(self, item: AnyItem) -> str:
-        x, y, z = np.round(self._evaluated.frame @ item.middle, 9) + 0.0
-        return f"({x:.6g}, {y:.6g}, {z:.6g}) of {' and '.join(sorted(item.segments, key=_number))}"
+        place = place_text(self._evaluated.frame @ item.middle)
+        return f"{place} of {' and '.join(sorted(item.segments, key=_number))}"
 
     def _called(self, segment: str) -> str:
         return f"{segment} ({self._parts.segments[segment].node})"

@@ -13,10 +13,10 @@ from kernel.idealise.brick import SweepGroup
 from kernel.idealise.parts import Parts
 from kernel.idealise.topology import Curve
 from kernel.mesh.curve_items import WALLS, CurveItem, items_of, on_surfaces
-from kernel.mesh.method import place_text
 from kernel.mesh.seeding import CurveWish, SeedRules
 from kernel.mesh.sweep import LevelWish
 from kernel.mesh.tets import MAX_TETS
+from kernel.places import place_text
 from kernel.segment.segments import Segment
 from kernel.solid.solid import Solid
 

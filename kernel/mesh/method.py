@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kernel.idealise.brick import SweepGroup, SweptBrick
+from kernel.places import place_text
 from kernel.segment.prism import sweeps
 from kernel.segment.segments import Segment
 from kernel.segment.stack import obstacle
@@ -54,8 +55,3 @@ def axis_text(direction: Array) -> str:
         if abs(value) > 1.0 - ALONG_AXIS:
             return name
     return f"({', '.join(f'{value + 0.0:.4g}' for value in np.round(direction, 6))})"
-
-
-def place_text(point: Array) -> str:
-    """`(x, y, z)`."""
-    return f"({', '.join(f'{value + 0.0:.6g}' for value in np.round(point, 9))})"

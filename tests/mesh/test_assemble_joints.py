@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 
 import numpy as np
 import pytest
@@ -231,6 +232,18 @@ def test_an_oblique_tube_meets_its_plate_in_an_ellipse():
 def test_pipes_of_one_radius_are_refused_by_name_and_place():
     with pytest.raises(ConnectError, match=r"mid-surfaces of s1 and s2 meet at no angle near .* made a brick"):
         assembled(branch(60, 90))
+
+
+def test_the_place_of_a_refusal_is_in_the_models_own_coordinates():
+    pattern = r"meet at no angle near \(([^,]*), ([^,]*), ([^)]*)\)"
+    places = []
+    turn, shift = turned("z", 31) @ turned("x", 40), np.array([30.0, -20, 10])
+    for text in (branch(60, 90), placed(branch(60, 90), tuple(shift), turn)):
+        with pytest.raises(ConnectError, match=pattern) as refused:
+            assembled(text)
+        places.append(np.array(re.search(pattern, str(refused.value)).groups(), float))
+    back = (places[1] - shift) @ turn  # the pipes are alike on their four sides
+    assert np.abs(back) == pytest.approx(np.abs(places[0]), abs=1e-2)
 
 
 @pytest.mark.parametrize("angle", [17.0, 71.3])
