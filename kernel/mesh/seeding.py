@@ -117,7 +117,7 @@ def seed_curves(
     beyond that; what he asks of a hung curve holds for the one that it hangs from.
     """
     rules = rules or SeedRules()
-    wishes = _wishes_hung(rules.wishes, hung)
+    wishes = _wishes_hung(topology, curves, rules.wishes, hung)
     edges = {one.edge: one for one in hung}
     numbers: dict[int, int] = {}
     for curve in curves:
@@ -176,14 +176,30 @@ def refuse_too_fine(curves: Sequence[SeededCurve], growth: float | None) -> None
         )
 
 
-def _wishes_hung(wishes: Mapping[int, CurveWish], hung: Sequence[HungCurve]) -> dict[int, CurveWish]:
-    """The wishes, those for hung curves moved to what they hang from; a count before a size, and what stands there."""
+def _wishes_hung(
+    topology: Topology, curves: Sequence[Curve], wishes: Mapping[int, CurveWish], hung: Sequence[HungCurve]
+) -> dict[int, CurveWish]:
+    """The wishes, those for hung curves moved to what they hang from: a count before a size, the lesser of two sizes.
+
+    OptionError: a hung curve and the one from which it hangs are to have different numbers of elements.
+    """
     found = dict(wishes)
     for one in hung:
-        wish = found.pop(one.edge, None)
-        known = found.get(one.along)
-        if wish is not None and (known is None or (known.count is None and wish.count is not None)):
+        wish, known = found.pop(one.edge, None), found.get(one.along)
+        if wish is None:
+            continue
+        if known is None or (known.count is None and wish.count is not None):
             found[one.along] = wish
+        elif known.count is None and wish.size is not None and known.size is not None:
+            found[one.along] = CurveWish(size=min(wish.size, known.size))
+        elif wish.count is not None and wish.count != known.count:
+            curve = curves[one.along]
+            middle = topology.carrier(curve.carrier).at(np.array([0.5 * (curve.start + curve.end)]))[0]
+            names = f"{one.arm.web.segment.id} and {one.arm.flanges[0].segment.id}"
+            raise OptionError(
+                f"seeds of the tee of {names} near {topology.place_text(middle)}: {wish.count} on the edge that hangs "
+                f"by rigid arms and {known.count} on the curve that carries it, expected one number"
+            )
     return found
 
 

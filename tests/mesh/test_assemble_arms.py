@@ -145,6 +145,24 @@ def test_arms_asked_of_a_corner_are_warned_of():
     assert any("has no arms" in warning for warning in assembly.warnings)
 
 
+EDGE, CARRIER = "100,75,4", "100,75,2"
+
+
+@pytest.mark.parametrize("finer", [EDGE, CARRIER])
+def test_the_lesser_of_two_sizes_holds_for_an_edge_and_the_curve_that_carries_it(finer):
+    assembly, _ = assembled(TEE, tee="arms", size=40, curve_sizes={EDGE: 20, CARRIER: 20, finer: 5})
+    assert len(assembly.arms) >= 200 / 5
+
+
+def test_two_counts_for_an_edge_and_the_curve_that_carries_it_are_refused():
+    with pytest.raises(
+        OptionError, match=r"tee of s2 and s1 near \(100, 75, 2\): 10 on the edge .* and 8 on the curve"
+    ):
+        assembled(TEE, tee="arms", size=40, seeds={EDGE: 10, CARRIER: 8})
+    assembly, _ = assembled(TEE, tee="arms", size=40, seeds={EDGE: 10, CARRIER: 10})
+    assert len(assembly.arms) == 10
+
+
 def test_an_unknown_joint_or_way_is_refused():
     with pytest.raises(OptionError, match="no joint 'j9'"):
         assembled(TEE, joint_tees={"j9": "arms"})
