@@ -161,7 +161,8 @@ def _common(classified: Classified, sections: dict[str, SectionProperties]) -> d
         "rule_base": f"{classified.rule_base.name} {classified.rule_base.version}",
         "segments": [segment_answer(s, _section(s, sections)) for s in segments],
         "joints": [
-            JointAnswer(id=j.id, kind=j.kind, segments=list(j.segments), area=float(j.area)) for j in classified.joints
+            JointAnswer(id=j.id, kind=j.kind, segments=list(j.segments), area=float(j.area), gap=float(j.gap))
+            for j in classified.joints
         ],
         "checks": ChecksAnswer(
             volume_of_segments=of_segments, mass_error=abs(of_segments - volume) / volume if volume else 0.0

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Annotated, NoReturn
 import typer
 
 from app import cli_edits, cli_mesh, cli_rules, texts
-from app.cli_arguments import JsonOption, ModelArgument, OverrideOption, RulesOption, UnitsOption, overrides
+from app.cli_arguments import GapOption, JsonOption, ModelArgument, OverrideOption, RulesOption, UnitsOption, overrides
 from app.output import check_writable, write_files
 from kernel.errors import CsgmeshError
 
@@ -63,10 +63,11 @@ def classify(
         str | None, typer.Option(metavar="[NODE]", help="Facts, rules and rejected alternatives, of NODE or of all.")
     ] = None,
     units: UnitsOption = None,
+    gap: GapOption = 0.0,
     as_json: JsonOption = False,
 ) -> None:
     """Show the segments of MODEL, and why each is what it is."""
-    classified = _classified(model, rules, override, units)
+    classified = _classified(model, rules, override, units, gap)
     if explain is not None:
         node = None if explain == ALL_NODES else explain
         explain_as = texts.explanation_text if not as_json else lambda *about: texts.as_json(texts.explanation(*about))
@@ -224,8 +225,10 @@ def _read(model: str) -> CsgModel:
     return pipeline.read(model)
 
 
-def _classified(model: str, rules: str | None, override: list[str] | None, units: str | None) -> Classified:
+def _classified(
+    model: str, rules: str | None, override: list[str] | None, units: str | None, gap: float = 0.0
+) -> Classified:
     from app import pipeline
 
     pinned = overrides(override)
-    return pipeline.classify(pipeline.read(model), overrides=pinned, rules=rules, units=units)
+    return pipeline.classify(pipeline.read(model), overrides=pinned, rules=rules, units=units, gap=gap)

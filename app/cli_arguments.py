@@ -30,6 +30,9 @@ UnitsOption = Annotated[
         "m (m-kg-s-N-Pa), in (in-lbf-s-psi), ft (ft-slug-s-lbf-psf).",
     ),
 ]
+GapOption = Annotated[
+    float, typer.Option("--gap", help="Faces that look at one another over no more than this count as touching.")
+]
 JsonOption = Annotated[bool, typer.Option("--json", help="Print JSON instead of text.")]
 
 

@@ -10,7 +10,7 @@ from typing import Annotated
 import typer
 
 from app import texts
-from app.cli_arguments import JsonOption, ModelArgument, OverrideOption, RulesOption, UnitsOption, overrides
+from app.cli_arguments import GapOption, JsonOption, ModelArgument, OverrideOption, RulesOption, UnitsOption, overrides
 from app.output import check_writable, write_files
 from kernel.errors import OptionError
 
@@ -80,6 +80,7 @@ def mesh(
     ] = None,
     coupling: Annotated[str, typer.Option(help=COUPLING_HELP)] = "distributing",
     tee: Annotated[str, typer.Option(help=TEE_HELP)] = "extend",
+    gap: GapOption = 0.0,
     joint: Annotated[
         list[str] | None,
         typer.Option(
@@ -143,7 +144,7 @@ def mesh(
     choose_material(material, csg, units_of(csg, units))
     check_names(options, csg)
     with progress_bar() as progress:
-        classified = pipeline.classify(csg, overrides=pinned, rules=rules, units=units, progress=progress)
+        classified = pipeline.classify(csg, overrides=pinned, rules=rules, units=units, gap=gap, progress=progress)
         meshed = pipeline.mesh(
             classified,
             options,

@@ -91,11 +91,13 @@ def classify(
     overrides: Mapping[str, Override] | None = None,
     rules: str | RuleBase | None = None,
     units: str | None = None,
+    gap: float = 0.0,
     progress: Progress | None = None,
 ) -> Classified:
     """Evaluate the solid, let the rules and the user's overrides decide, split it into segments and find their joints.
 
     overrides: by node path or name. rules: a rule base or the path of one, None for the base that comes with csgmesh.
+    gap: faces no further apart than this, in model units, count as touching.
     units: for a model that names none; "mm" where nobody says anything. OptionError where the model says otherwise.
     """
     from kernel.connect.contacts import find_joints
@@ -114,7 +116,7 @@ def classify(
     with clock("segment"):
         parts = partition(evaluated, rule_base.decide, pinned)
     with clock("joints"):
-        joints = find_joints(parts.segments, evaluated)
+        joints = find_joints(parts.segments, evaluated, gap)
     return Classified(csg, units_used, rule_base, evaluated, parts, joints, clock.seconds)
 
 

@@ -80,6 +80,7 @@ class JointAnswer(Schema):
     kind: str
     segments: list[str]
     area: float
+    gap: float = Field(default=0.0, description="distance of the faces, where a stated gap counts as touching")
 
 
 class ChecksAnswer(Schema):

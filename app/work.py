@@ -300,7 +300,9 @@ def _classified(payload: Payload, progress: Progress) -> Classified:
     progress("read", 0.0)
     csg = _csg(payload)
     rules = _rules(payload["rules"])
-    return pipeline.classify(csg, overrides=overrides, rules=rules, units=payload["units"], progress=progress)
+    return pipeline.classify(
+        csg, overrides=overrides, rules=rules, units=payload["units"], gap=payload.get("gap", 0.0), progress=progress
+    )
 
 
 def _rules(given: dict[str, str] | None) -> RuleBase:

@@ -76,13 +76,16 @@ class Context:
         """A model's text, as tasks want it."""
         return {"text": self.artifacts.get(model.text).decode(), "name": model.name}
 
-    def model_payload(self, model: ModelRow, rulebase: str | None, units: str | None = None) -> dict[str, Any]:
+    def model_payload(
+        self, model: ModelRow, rulebase: str | None, units: str | None = None, gap: float = 0.0
+    ) -> dict[str, Any]:
         """A model with its overrides and the rule base that decides, as tasks want it: complete in itself."""
         rules = self.rule_base(rulebase)
         overrides = self.store.overrides(model.id)
         return {
             **self.text_payload(model),
             "units": units,
+            "gap": gap,
             "rules": None
             if rules is None
             else {"name": rules.name, "version": rules.version, "text": self.artifacts.get(rules.text).decode()},

@@ -89,6 +89,7 @@ class MeshRequest(Schema):
     material: str | None = Field(default=None, max_length=100)
     units: str | None = Field(default=None, max_length=10)
     rulebase: str | None = Field(default=None, max_length=200)
+    gap: float = Field(default=0.0, ge=0, description="faces no further apart than this count as touching")
 
 
 class JobResource(Schema):
@@ -145,7 +146,7 @@ def create_mesh(
     about = {**context.text_payload(model), "material": wanted.material, "units": units.name, "options": options}
     context.ask("mesh_names", about)
     payload = {
-        **context.model_payload(model, wanted.rulebase, wanted.units),
+        **context.model_payload(model, wanted.rulebase, wanted.units, wanted.gap),
         "options": options,
         "material": wanted.material,
         "coupling": wanted.coupling,

@@ -21,6 +21,8 @@ RulebaseQuery = Annotated[
     Query(examples=["base"], description="`base` (the own one), `name` or `name@version`; default: the active one"),
 ]
 
+GapQuery = Annotated[float, Query(ge=0, description="faces no further apart than this count as touching")]
+
 SEGMENTS_EXAMPLE = {
     "model": "bracket.csg", "units": "mm", "volume": 81234.5, "rule_base": "base 3f2a9c", "segments": [{
         "id": "s1", "node": "0.1", "name": "BASE", "type": "plate", "origin": "rule", "volume": 48000.0,
@@ -77,9 +79,9 @@ class OverrideEvent(Schema):
     response_model=Classification,
     responses=documented(SEGMENTS_EXAMPLE, 404, 409, 422),
 )
-def get_segments(model_id: str, context: Ctx, rulebase: RulebaseQuery = None) -> Classification:
+def get_segments(model_id: str, context: Ctx, rulebase: RulebaseQuery = None, gap: GapQuery = 0.0) -> Classification:
     """What `csgmesh classify --json` gives, with the overrides that stand."""
-    digests = _classify(context, context.model(model_id), rulebase, None)
+    digests = _classify(context, context.model(model_id), rulebase, None, gap)
     return Classification.model_validate_json(context.artifacts.get(digests["answer"]))
 
 
@@ -200,9 +202,11 @@ def delete_override(
         raise HTTPException(404, f"node {path} is not overridden")
 
 
-def _classify(context: Context, model: ModelRow, rulebase: str | None, new: dict[str, str] | None) -> dict[str, str]:
+def _classify(
+    context: Context, model: ModelRow, rulebase: str | None, new: dict[str, str] | None, gap: float = 0.0
+) -> dict[str, str]:
     """Artifacts of the classification, with one override more where `new` is given."""
-    payload = context.model_payload(model, rulebase)
+    payload = context.model_payload(model, rulebase, gap=gap)
     if new is not None:
         kept = [o for o in payload["overrides"] if o["node"] != new["node"]]
         payload["overrides"] = sorted([*kept, new], key=lambda o: str(o["node"]))

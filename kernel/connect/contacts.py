@@ -6,9 +6,8 @@ the cut inherited the other's surface. So both are found the same way, without a
 
 from __future__ import annotations
 
-from bisect import bisect_right
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -16,13 +15,15 @@ import shapely
 from numpy.typing import NDArray
 from shapely import MultiPolygon, Polygon, STRtree
 
+from kernel.connect.gaps import check_gap, close_pairs
 from kernel.connect.joints import Joint
+from kernel.connect.sides import FaceSide, patch_of, sides_of
 from kernel.idealise.implicit import project
 from kernel.idealise.sheets import plane_sheet
-from kernel.segment.faces import Faces, faces_of
+from kernel.segment.faces import faces_of
 from kernel.segment.segments import BeamShape, BrickShape, CylinderShape, PlateShape, Segment
 from kernel.segment.slices import parts_of, slice_polygon
-from kernel.solid.charts import cover, lift
+from kernel.solid.charts import lift
 from kernel.solid.surfaces import CylinderSurface, Plane, Surface, outward
 
 if TYPE_CHECKING:
@@ -33,12 +34,6 @@ Array = NDArray[np.float64]
 SLIVER_WIDTH = 10.0
 """Patches narrower than this many tolerances are rounding, no contact."""
 
-CONVEX = 1e-10
-"""A face whose area is that of its hull within this is its hull: no boundary need be chained."""
-
-NEAR_MISS = 1e-3
-"""Faces that are nearer to one another than this share of the model's size, and do not touch, are worth a word."""
-
 END_ON = 0.9
 """A beam meets a face with its end where the face's normal leans on its axis by more than this cosine."""
 
@@ -46,28 +41,23 @@ END_IN = 0.4
 """The same on cones, spheres and tori, which no beam lies along: it ends in them, or they sit around it."""
 
 
-@dataclass(slots=True, eq=False)
-class _Face:
-    """One side of one surface in one segment; `box` (2, 3) bounds its triangles."""
+def find_joints(segments: Sequence[Segment], evaluated: Evaluated, gap: float = 0.0) -> tuple[Joint, ...]:
+    """Every pair of segments that share an area of a surface, once for each surface; ids "j1", "j2" ... in order.
 
-    segment: int
-    surface: int
-    side: int
-    box: Array
-
-
-def find_joints(segments: Sequence[Segment], evaluated: Evaluated) -> tuple[Joint, ...]:
-    """Every pair of segments that share an area of a surface, once for each surface; ids "j1", "j2" ... in order."""
+    gap: faces that look at one another over no more than this count as touching, where the two segments have no other
+    joint. OptionError: it is negative, or not less than the thinnest wall.
+    """
+    check_gap(gap, segments)
     table = evaluated.solid.surfaces
     faces = [faces_of(segment.solid) for segment in segments]
-    rows = [row for index, of_segment in enumerate(faces) for row in _rows(index, of_segment)]
+    rows = [row for index, of_segment in enumerate(faces) for row in sides_of(index, of_segment)]
     joints: list[Joint] = []
     found = []
     patches: dict[int, Polygon | MultiPolygon] = {}
     for one, other in _facing(rows, 10 * table.tolerance):
         for row in (one, other):
             if id(row) not in patches:
-                patches[id(row)] = _patch(faces[row.segment], row)
+                patches[id(row)] = patch_of(faces[row.segment], row)
         patch = patches[id(one)].intersection(patches[id(other)])
         parts = [part for part in parts_of(patch) if part.area > 0.5 * SLIVER_WIDTH * table.tolerance * part.length]
         if parts:
@@ -79,34 +69,42 @@ def find_joints(segments: Sequence[Segment], evaluated: Evaluated) -> tuple[Join
         surface = table.surfaces[first.surface]
         centre = _centre(surface, patch)
         normal = first.side * outward(surface, centre[None])[0]
-        pair = (segments[first.segment], segments[second.segment])
-        joints.append(
-            Joint(
-                id=f"j{len(joints) + 1}",
-                kind=_kind(pair, first.surface, normal, centre, middles),
-                segments=(pair[0].id, pair[1].id),
-                surface=first.surface,
-                area=float(patch.area),
-                patch=patch,
-                centre=centre,
-                normal=normal,
-            )
-        )
+        joints.append(_joint(len(joints) + 1, (first, second), segments, patch, centre, normal, middles))
+    for close in close_pairs(segments, evaluated, joints, gap) if gap else ():
+        one, other = close.faces
+        surface = table.surfaces[one.surface]
+        centre = _centre(surface, close.patches[0])
+        normal = one.side * outward(surface, centre[None])[0]
+        joint = _joint(len(joints) + 1, close.faces, segments, close.patches[0], centre, normal, middles)
+        joints.append(replace(joint, gap=close.gap, mate=other.surface, mate_patch=close.patches[1]))
     return tuple(joints)
 
 
-def _rows(index: int, faces: Faces) -> list[_Face]:
-    facets = faces.facets
-    rows = []
-    for surface, side in sorted(faces.areas):
-        corners = facets.vertices[facets.triangles[faces.mask(surface, side)]].reshape(-1, 3)
-        rows.append(_Face(index, surface, side, np.array([corners.min(axis=0), corners.max(axis=0)])))
-    return rows
+def _joint(
+    number: int,
+    faces: tuple[FaceSide, FaceSide],
+    segments: Sequence[Segment],
+    patch: Polygon | MultiPolygon,
+    centre: Array,
+    normal: Array,
+    middles: _Middles,
+) -> Joint:
+    pair = (segments[faces[0].segment], segments[faces[1].segment])
+    return Joint(
+        id=f"j{number}",
+        kind=_kind(pair, (faces[0].surface, faces[1].surface), normal, centre, middles),
+        segments=(pair[0].id, pair[1].id),
+        surface=faces[0].surface,
+        area=float(patch.area),
+        patch=patch,
+        centre=centre,
+        normal=normal,
+    )
 
 
-def _facing(rows: list[_Face], slack: float) -> list[tuple[_Face, _Face]]:
+def _facing(rows: list[FaceSide], slack: float) -> list[tuple[FaceSide, FaceSide]]:
     """Pairs of faces on opposite sides of one surface, of different segments, whose boxes touch."""
-    by_surface: dict[int, tuple[list[_Face], list[_Face]]] = {}
+    by_surface: dict[int, tuple[list[FaceSide], list[FaceSide]]] = {}
     for row in rows:
         by_surface.setdefault(row.surface, ([], []))[0 if row.side > 0 else 1].append(row)
     pairs = []
@@ -125,76 +123,15 @@ def _facing(rows: list[_Face], slack: float) -> list[tuple[_Face, _Face]]:
     return pairs
 
 
-def _boxes(rows: list[_Face], x: int, y: int) -> NDArray[np.object_]:
+def _boxes(rows: list[FaceSide], x: int, y: int) -> NDArray[np.object_]:
     box = np.array([row.box for row in rows])
     return shapely.box(box[:, 0, x], box[:, 0, y], box[:, 1, x], box[:, 1, y])
-
-
-def _patch(faces: Faces, row: _Face) -> Polygon | MultiPolygon:
-    """The face in the surface's own coordinates."""
-    surface = faces.table.surfaces[row.surface]
-    if isinstance(surface, CylinderSurface):
-        return shapely.transform(faces.unrolled(row.surface, row.side), lambda at: at * (surface.radius, 1.0))
-    facets = faces.facets
-    if not isinstance(surface, Plane):
-        return cover(surface, facets.vertices[facets.triangles[faces.mask(row.surface, row.side)]])
-    corners = facets.vertices[np.unique(facets.triangles[faces.mask(row.surface, row.side)])]
-    hull = shapely.convex_hull(shapely.multipoints(np.stack([corners @ surface.u, corners @ surface.v], axis=1)))
-    if hull.area <= faces.areas[(row.surface, row.side)] * (1 + CONVEX):
-        return hull
-    return faces.polygon(row.surface, row.side)
 
 
 def _centre(surface: Surface, patch: Polygon | MultiPolygon) -> Array:
     """The patch's centroid in space; a point within it where the centroid is not (rings, bent strips)."""
     middle = patch.centroid if patch.covers(patch.centroid) else patch.representative_point()
     return lift(surface, np.array([[middle.x, middle.y]]))[0]
-
-
-# ---------------------------------------------------------------- near misses
-
-
-def near_misses(segments: Sequence[Segment], evaluated: Evaluated, joints: Sequence[Joint]) -> tuple[str, ...]:
-    """A line for each pair of segments without a joint whose parallel faces almost touch: a gap that was not meant?"""
-    table = evaluated.solid.surfaces
-    reach = NEAR_MISS * evaluated.size
-    joined = {frozenset(joint.segments) for joint in joints}
-    faces = [faces_of(segment.solid) for segment in segments]
-    rows = [row for index, of_segment in enumerate(faces) for row in _rows(index, of_segment)]
-    found: dict[tuple[int, int], tuple[float, float]] = {}
-    for one, other, gap in _almost_facing(rows, table.surfaces, table.tolerance, reach):
-        pair = (min(one.segment, other.segment), max(one.segment, other.segment))
-        if frozenset(segments[index].id for index in pair) in joined or found.get(pair, (gap,))[0] < gap:
-            continue
-        area = _patch(faces[one.segment], one).intersection(_patch(faces[other.segment], other)).area
-        if area > reach**2:
-            found[pair] = (gap, float(area))
-    return tuple(
-        f"{segments[a].id} and {segments[b].id} are {gap:.3g} apart over an area of {area:.3g}: they are not joined"
-        for (a, b), (gap, area) in sorted(found.items())
-    )
-
-
-def _almost_facing(
-    rows: list[_Face], surfaces: Sequence[Surface], tolerance: float, reach: float
-) -> Iterator[tuple[_Face, _Face, float]]:
-    """Pairs of plane faces of different segments that look at one another over a gap up to `reach`."""
-    by_direction: dict[tuple[float, ...], list[tuple[float, _Face]]] = {}
-    for row in rows:
-        surface = surfaces[row.surface]
-        if isinstance(surface, Plane):
-            key = tuple(np.round(surface.normal, 6) + 0.0)
-            by_direction.setdefault(key, []).append((surface.offset, row))
-    for group in by_direction.values():
-        above = [(offset, row) for offset, row in group if row.side > 0]
-        below = sorted(((offset, row) for offset, row in group if row.side < 0), key=lambda item: item[0])
-        offsets = [offset for offset, _ in below]
-        for offset, row in above:
-            for place in range(bisect_right(offsets, offset + tolerance), bisect_right(offsets, offset + reach)):
-                other = below[place][1]
-                apart = np.maximum(row.box[0], other.box[0]) - np.minimum(row.box[1], other.box[1])
-                if row.segment != other.segment and (apart <= reach).all():
-                    yield row, other, offsets[place] - offset
 
 
 # ---------------------------------------------------------------- kinds
@@ -215,27 +152,29 @@ class _Middles:
         return self._known[segment.id]
 
 
-def _kind(pair: tuple[Segment, Segment], surface: int, normal: Array, centre: Array, middles: _Middles) -> str:
+def _kind(
+    pair: tuple[Segment, Segment], surfaces: tuple[int, int], normal: Array, centre: Array, middles: _Middles
+) -> str:
     """One of joints.JOINT_KINDS."""
     beams = [segment.shape for segment in pair if isinstance(segment.shape, BeamShape)]
     if beams:
-        is_ruled = isinstance(pair[0].solid.surfaces.surfaces[surface], Plane | CylinderSurface)
+        is_ruled = isinstance(pair[0].solid.surfaces.surfaces[surfaces[0]], Plane | CylinderSurface)
         least = END_ON if is_ruled else END_IN
         return "end_on" if any(abs(beam.direction @ normal) > least for beam in beams) else "along"
     if any(isinstance(segment.shape, BrickShape) for segment in pair):
         return "face"
     if any(isinstance(segment.shape, CylinderShape) for segment in pair):
         return "pipe"
-    return _wall_kind(pair, surface, centre, middles)
+    return _wall_kind(pair, surfaces, centre, middles)
 
 
-def _wall_kind(pair: tuple[Segment, Segment], surface: int, centre: Array, middles: _Middles) -> str:
+def _wall_kind(pair: tuple[Segment, Segment], surfaces: tuple[int, int], centre: Array, middles: _Middles) -> str:
     a, b = pair[0].shape, pair[1].shape
     assert isinstance(a, PlateShape)
     assert isinstance(b, PlateShape)
     table = pair[0].solid.surfaces
     if np.linalg.norm(np.cross(a.normal, b.normal)) < 1e-5:
-        if surface in a.surface_ids and surface in b.surface_ids:
+        if surfaces[0] in a.surface_ids and surfaces[1] in b.surface_ids:
             return "lap"
         apart = a.mid_offset - b.mid_offset * float(np.sign(a.normal @ b.normal))
         return "edge" if abs(apart) <= 10 * table.tolerance else "step"

@@ -49,7 +49,8 @@ def reference_of(assembly: Assembly, evaluated: Evaluated) -> Reference:
     facets = evaluated.solid.facets
     frame = np.asarray(evaluated.frame)
     solid = solid_moments(facets.vertices @ frame.T, facets.triangles, evaluated.solid.true_volume)
-    pieces = len(evaluated.solid.components())
+    # parts that touch within the tolerance, or over a stated gap, are one though their solids are two
+    pieces = min(len(evaluated.solid.components()), assembly.pieces)
     whole = Reference(float(evaluated.size), pieces, solid, assembly.ledger, assembly.curve_uses, assembly.arms)
     if assembly.only is None and not assembly.apart:
         return whole

@@ -115,7 +115,7 @@ def sweep_directions(segments: Sequence[Segment], joints: Sequence[Joint], walls
                 if not _across(by_id[name], joint, direction):
                     continue
                 wall = walls.get(other)
-                stands = wall is not None and joint.surface in wall.surface_ids
+                stands = wall is not None and joint.surface_of(other) in wall.surface_ids
                 if stands or any(_parallel(direction, mate) for mate in options.get(other, [])):
                     weights[place] += joint.area
         found[name] = directions[int(np.argmax(weights))]
@@ -268,7 +268,7 @@ def _host(
         for name, other in (joint.segments, joint.segments[::-1]):
             wall = walls.get(other)
             if name in names and wall is not None and isinstance(wall.sheet, PlaneSheet):
-                if _parallel(wall.sheet.normal, direction) and joint.surface in wall.surface_ids:
+                if _parallel(wall.sheet.normal, direction) and joint.surface_of(other) in wall.surface_ids:
                     return wall, joint
     return None
 

@@ -60,8 +60,8 @@ def find_crossings(topology: Topology, walls: Sequence[Wall], joints: Sequence[J
     thirds = _Thirds(walls, joints)
     found: dict[tuple[int, int, int], Crossing] = {}
     for joint in joints:
-        if not all(name in by_id for name in joint.segments):
-            continue
+        if joint.gap or not all(name in by_id for name in joint.segments):
+            continue  # mid-surfaces are not carried on through a gap
         pair = (by_id[joint.segments[0]], by_id[joint.segments[1]])
         for number in _joint_carriers(topology, pair, joint):
             key = (pair[0].index, pair[1].index, number)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 from dataclasses import dataclass
 
 import numpy as np
@@ -44,12 +43,13 @@ class Seat:
 
 def is_on_face(wall: Wall, joint: Joint) -> bool:
     """Whether the joint lies on one of the wall's two faces (not on its edge)."""
-    if joint.surface in wall.surface_ids:
+    own = joint.surface_of(wall.segment.id)
+    if own in wall.surface_ids:
         return True
-    surface = wall.segment.solid.surfaces.surfaces[joint.surface]
+    surface = wall.segment.solid.surfaces.surfaces[own]
     if isinstance(surface, FacetedSurface):
         return False
-    points = patch_points(surface, joint.patch)
+    points = patch_points(surface, joint.patch_of(wall.segment.id))
     return bool(
         np.abs(np.abs(signed_distance(wall.sheet.surface, points)) - 0.5 * wall.thickness).max()
         <= 1e-6 * wall.segment.solid.surfaces.size
@@ -61,14 +61,15 @@ def footprint(topology: Topology, sheet: Sheet, segment: Segment, joint: Joint) 
     table = segment.solid.surfaces
     faces = faces_of(segment.solid)
     outlines = []
+    own = joint.surface_of(segment.id)
     for side in (1, -1):
-        if (joint.surface, side) not in faces.areas:
+        if (own, side) not in faces.areas:
             continue
-        out = side * outward(table.surfaces[joint.surface], joint.centre[None])[0]
+        out = side * outward(table.surfaces[own], joint.centre[None])[0]
         leaving = joint.normal if joint.segments[0] == segment.id else -joint.normal
         if out @ leaving < 0:
             continue
-        for ring in boundary_rings(faces.facets, faces.mask(joint.surface, side)):
+        for ring in boundary_rings(faces.facets, faces.mask(own, side)):
             points = project(ring.points, (sheet.surface,))
             stretches = trace_ring(topology, table, sheet, points, ring.labels)
             if stretches:
@@ -92,30 +93,15 @@ def footprint_candidates(parts: Parts) -> list[Candidate]:
 
 
 def lap_candidates(parts: Parts) -> list[Candidate]:
-    """The outline of a lap, in both plates."""
+    """The outline of each plate of a lap, in the other: what of it lies there bounds the lap."""
     found = []
     for joint in parts.joints:
         if joint.kind != "lap":
             continue
-        surface = parts.segments[joint.segments[0]].solid.surfaces.surfaces[joint.surface]
-        for name in joint.segments:
+        for name, other in (joint.segments, joint.segments[::-1]):
             wall = parts.walls[name]
-            for part in shapely.get_parts(joint.patch):
-                for ring in (part.exterior, *part.interiors):
-                    found += _patch_outline(parts.topology, wall, surface, np.asarray(ring.coords)[:, :2])
-    return found
-
-
-def _patch_outline(topology: Topology, wall: Wall, surface: Surface, flat: Array) -> list[Candidate]:
-    """Straight pieces of a patch's outline, in the wall's mid-plane."""
-    assert isinstance(surface, Plane)
-    points = flat[:, :1] * surface.u + flat[:, 1:] * surface.v + surface.offset * surface.normal
-    points = project(points, (wall.sheet.surface,))
-    found = []
-    for first, last in itertools.pairwise(points):
-        if np.linalg.norm(last - first) > 4 * topology.tolerance:
-            number = topology.carriers.line(first, last - first)
-            found.append(Candidate(wall, stretch_between(topology, number, first, last, 0.5 * (first + last)[None])))
+            for ring in footprint(parts.topology, wall.sheet, parts.segments[other], joint):
+                found += [Candidate(wall, stretch) for stretch in ring]
     return found
 
 
@@ -188,7 +174,7 @@ def edge_carriers(parts: Parts, wall: Wall, joint: Joint) -> list[int]:
 
     Where the wall was carried on, or cut back, to a curve in which it meets another, that curve stands for the edge.
     """
-    surface = wall.segment.solid.surfaces.surfaces[joint.surface]
+    surface = wall.segment.solid.surfaces.surfaces[joint.surface_of(wall.segment.id)]
     if isinstance(surface, FacetedSurface):
         return []
 

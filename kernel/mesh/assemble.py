@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from kernel.connect.contacts import near_misses
+from kernel.connect.gaps import near_misses
 from kernel.connect.joints import Joint
 from kernel.errors import OptionError
 from kernel.idealise.arm_cuts import pair_vertices

@@ -179,8 +179,8 @@ def beam_on_brick(meshed: Meshed, joint: Joint, beam: Beam, brick: str) -> list[
     faces = meshed.brick_faces(brick, joint)
     if joint.kind == "end_on":
         node = beam.node_at(beam.offset_of(joint.centre))
-        return [average(joint, node, faces, joint.patch, beam.segment.id)]
-    surface = meshed.surface(joint)
+        return [average(joint, node, faces, joint.patch_of(brick), beam.segment.id)]
+    surface = faces.surface
     start, end = _extent(meshed.parts, joint, beam)
     slack = 4 * meshed.parts.topology.tolerance
     inside = np.nonzero((beam.offsets >= start - slack) & (beam.offsets <= end + slack))[0]
@@ -188,7 +188,7 @@ def beam_on_brick(meshed: Meshed, joint: Joint, beam: Beam, brick: str) -> list[
     for place in inside:
         low = beam.offsets[place] if place == inside[0] else 0.5 * (beam.offsets[place - 1] + beam.offsets[place])
         high = beam.offsets[place] if place == inside[-1] else 0.5 * (beam.offsets[place] + beam.offsets[place + 1])
-        part = _slice(surface, joint.patch, beam.direction, float(low), float(high))
+        part = _slice(surface, joint.patch_of(brick), beam.direction, float(low), float(high))
         if part.area > 0:
             ties.append(average(joint, int(beam.nodes[place]), faces, part, beam.segment.id))
     return ties

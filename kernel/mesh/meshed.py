@@ -62,12 +62,12 @@ class Meshed:
 
     def brick_faces(self, name: str, joint: Joint) -> SurfaceFaces:
         """A brick's element faces on the joint's surface."""
-        key = (name, joint.surface)
+        key = (name, joint.surface_of(name))
         if key not in self._on:
             if name not in self._outer:
                 self._outer[name] = outer_faces(self.bricks[name].blocks)
             size = self.parts.topology.carriers.reach
-            surface = self.surface(joint)
+            surface = self.parts.segments[name].solid.surfaces.surfaces[joint.surface_of(name)]
             tolerance = ON_SURFACE * size
             if isinstance(surface, CylinderSurface | SphereSurface):
                 tolerance = max(tolerance, 5e-3 * surface.radius)

@@ -161,16 +161,16 @@ def _brick_on_wall(meshed: Meshed, joint: Joint, wall: Wall, brick: str) -> list
 def _edge_on_brick(meshed: Meshed, joint: Joint, wall: Wall, brick: str, faces: SurfaceFaces) -> list[Tie]:
     """Each node of the wall's edge follows, turning too, the part of the patch that is nearest to it."""
     nodes = np.array(edge_nodes(meshed, wall, joint), dtype=np.int64)
-    surface = meshed.surface(joint)
+    surface, patch = faces.surface, joint.patch_of(brick)
     flat = flatten(surface, meshed.points[nodes])
-    cells = shapely.get_parts(shapely.voronoi_polygons(shapely.MultiPoint(flat), extend_to=joint.patch.envelope))
+    cells = shapely.get_parts(shapely.voronoi_polygons(shapely.MultiPoint(flat), extend_to=patch.envelope))
     if len(nodes) == 1:
-        cells = np.array([joint.patch.envelope.buffer(1e-9)])
+        cells = np.array([patch.envelope.buffer(1e-9)])
     ties = []
     for node, point in zip(nodes.tolist(), flat):
         cell = next((c for c in cells if c.buffer(1e-9 * abs(c.area) ** 0.5).contains(shapely.Point(point))), None)
-        part = joint.patch.intersection(cell) if cell is not None else joint.patch
-        if part.area > 1e-9 * joint.patch.area:
+        part = patch.intersection(cell) if cell is not None else patch
+        if part.area > 1e-9 * patch.area:
             ties.append(average(joint, node, faces, part, wall.segment.id))
     return ties
 

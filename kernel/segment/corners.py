@@ -52,7 +52,7 @@ def settle_corners(solid: Solid, slabs: list[tuple[Wall, Solid]]) -> list[WallPa
     parts: list[tuple[int, WallPart]] = []
     for index, (wall, slab) in enumerate(slabs):
         for whole in slab.components():
-            own = without_fins(subtract(whole, losses[index])) if losses[index] else whole
+            own = without_fins(subtract(whole, losses[index]) if losses[index] else whole)
             if not own.is_empty and own.volume > EMPTY * volume:
                 parts.append((index, WallPart(wall, own)))
     parts.sort(key=lambda item: rank[item[0]])

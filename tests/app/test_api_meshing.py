@@ -288,3 +288,21 @@ def test_a_node_called_history_is_overridden_by_its_path(client):
     assert client.put(f"/v1/models/{model}/overrides/%2F", json={"type": "brick"}).status_code == 200
     assert client.get(f"/v1/models/{model}/overrides/%2F").json()["type"] == "brick"
     assert [event["node"] for event in client.get(f"/v1/models/{model}/overrides/history").json()] == ["/"]
+
+
+def test_a_stated_gap_joins_what_is_no_further_apart(client):
+    nearly = "UNITS mm\nP = BLO(300,300,10) UN BLO(30,30,400) AT (MOVX=135, MOVY=135, MOVZ=10.2)\n"
+    model = send(client, nearly, "nearly.csg")
+    assert client.get(f"/v1/models/{model}/segments").json()["joints"] == []
+    (joint,) = client.get(f"/v1/models/{model}/segments?gap=0.25").json()["joints"]
+    assert (joint["kind"], joint["gap"]) == ("end_on", pytest.approx(0.2))
+    answer = client.post(f"/v1/models/{model}/meshes", json={"size": 30, "gap": 0.25})
+    job = wait_for(client, answer.headers["location"])
+    assert job["state"] == "done", job
+    assert client.get(f"/v1/meshes/{job['mesh_id']}").json()["components"] == 1
+
+
+def test_a_gap_wider_than_a_wall_is_a_problem(client, table):
+    answer = client.get(f"/v1/models/{table}/segments?gap=30")
+    assert answer.status_code == 422
+    assert "gap is 30, but s1 is only 25 thick" in answer.json()["detail"]

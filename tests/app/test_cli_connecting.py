@@ -109,3 +109,40 @@ def test_what_cannot_be_is_refused_in_one_line(option, complaint, tmp_path):
     assert complaint in done.stderr
     assert done.stderr.count("\n") == 1
     assert not deck.exists()
+
+
+NEARLY = """UNITS mm
+P = BLO(300,300,10) UN BLO(30,30,400) AT (MOVX=135, MOVY=135, MOVZ=10.2)
+"""
+
+
+def test_a_stated_gap_joins_what_is_no_further_apart(tmp_path):
+    model = tmp_path / "nearly.csg"
+    model.write_text(NEARLY)
+    apart = json.loads(csgmesh("classify", str(model), "--json").stdout)
+    assert apart["joints"] == []
+    joined = json.loads(csgmesh("classify", str(model), "--json", "--gap", "0.25").stdout)
+    assert [(joint["kind"], joint["area"]) for joint in joined["joints"]] == [("end_on", pytest.approx(900))]
+    assert joined["joints"][0]["gap"] == pytest.approx(0.2)
+    deck = tmp_path / "nearly.bdf"
+    done = csgmesh("mesh", str(model), "-o", str(deck), "--json", "--gap", "0.25")
+    assert done.returncode == 0, done.stderr
+    answer = json.loads(done.stdout)
+    assert answer["components"] == 1
+    assert answer["couplings"] == {"rbe3": 1}
+
+
+def test_without_it_the_small_gap_is_told(tmp_path):
+    model = tmp_path / "nearly.csg"
+    model.write_text(NEARLY)
+    done = csgmesh("mesh", str(model), "-o", str(tmp_path / "nearly.bdf"))
+    assert "s1 and s2 are 0.2 apart over an area of 900: they are not joined" in done.stderr
+
+
+@pytest.mark.parametrize("gap", ["-1", "10", "nan"])
+def test_a_gap_that_no_model_can_have_is_refused(tmp_path, gap):
+    model = tmp_path / "nearly.csg"
+    model.write_text(NEARLY)
+    done = csgmesh("classify", str(model), f"--gap={gap}")
+    assert done.returncode == 2
+    assert done.stderr.startswith("error: gap is ")

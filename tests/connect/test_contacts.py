@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from kernel.connect.contacts import find_joints, near_misses
+from kernel.connect.contacts import find_joints
+from kernel.connect.gaps import near_misses
 from kernel.connect.joints import JOINT_KINDS, joints_by_segment
 from kernel.csg.reader import read_model
 from kernel.plan import Override
@@ -112,4 +113,6 @@ def test_a_gap_a_little_over_the_tolerance_is_told(gap, is_told):
     told = near_misses(segments, evaluated, find_joints(segments, evaluated))
     assert bool(told) == is_told
     if is_told:
-        assert told[0].endswith("are 0.5 apart over an area of 1.6e+03: they are not joined")
+        assert told[0].endswith(
+            "are 0.5 apart over an area of 1.6e+03: they are not joined (a stated gap of 0.5 would join them)"
+        )

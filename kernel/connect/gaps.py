@@ -1,0 +1,133 @@
+"""Faces that look at one another over a small gap: near misses to be told, or joints where a gap is stated.
+
+Parallel planes and coaxial cylinders only: what is neither has no one gap.
+
+    plane      outward +n at offset a,  outward -n at offset b > a:  gap b - a
+    cylinder   a body's outside of radius a, another's bore of radius b > a:  gap b - a
+"""
+
+from __future__ import annotations
+
+from bisect import bisect_right
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+import shapely
+
+from kernel.connect.joints import Joint
+from kernel.connect.sides import FaceSide, patch_of, sides_of
+from kernel.errors import OptionError
+from kernel.segment.faces import Faces, Region, faces_of
+from kernel.segment.segments import Segment
+from kernel.solid.surfaces import CylinderSurface, Plane, Surface
+
+if TYPE_CHECKING:
+    from kernel.solid.evaluate import Evaluated
+
+NEAR_MISS = 1e-3
+"""Faces that are nearer to one another than this share of the model's size, and do not touch, are worth a word."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ClosePair:
+    """Two faces `gap` apart, the one of the earlier segment first; patches: what they have opposite each other, each
+    in its own surface's coordinates.
+    """
+
+    faces: tuple[FaceSide, FaceSide]
+    gap: float
+    patches: tuple[Region, Region]
+
+
+def close_pairs(
+    segments: Sequence[Segment], evaluated: Evaluated, joints: Sequence[Joint], reach: float
+) -> list[ClosePair]:
+    """Faces of segments without a joint that are up to `reach` apart, over more than reach^2; in order of segments."""
+    table = evaluated.solid.surfaces
+    joined = {frozenset(joint.segments) for joint in joints}
+    faces = [faces_of(segment.solid) for segment in segments]
+    rows = [row for index, of_segment in enumerate(faces) for row in sides_of(index, of_segment)]
+    found = []
+    for inner, outer, gap in _facing(rows, table.surfaces, table.tolerance, reach):
+        if frozenset((segments[inner.segment].id, segments[outer.segment].id)) in joined:
+            continue
+        pair = (inner, outer) if inner.segment < outer.segment else (outer, inner)
+        patches = _opposite(faces, pair, table.surfaces)
+        if patches[0].area > reach**2:
+            found.append(ClosePair(pair, gap, patches))
+    found.sort(key=lambda item: (item.faces[0].segment, item.faces[1].segment, item.faces[0].surface))
+    return found
+
+
+def near_misses(segments: Sequence[Segment], evaluated: Evaluated, joints: Sequence[Joint]) -> tuple[str, ...]:
+    """A line for each pair of segments without a joint whose faces almost touch: a gap that was not meant?"""
+    nearest: dict[tuple[int, int], ClosePair] = {}
+    for item in close_pairs(segments, evaluated, joints, NEAR_MISS * evaluated.size):
+        pair = (item.faces[0].segment, item.faces[1].segment)
+        if pair not in nearest or item.gap < nearest[pair].gap:
+            nearest[pair] = item
+    return tuple(
+        f"{segments[a].id} and {segments[b].id} are {item.gap:.3g} apart over an area of {item.patches[0].area:.3g}: "
+        f"they are not joined (a stated gap of {_above(item.gap):.3g} would join them)"
+        for (a, b), item in sorted(nearest.items())
+    )
+
+
+def check_gap(gap: float, segments: Sequence[Segment]) -> None:
+    """OptionError for a gap that is none, or that no wall is thicker than."""
+    if not 0 <= gap < float("inf"):
+        raise OptionError(f"gap is {gap:g}, expected 0 or more")
+    walls = [(segment.thickness, segment.id) for segment in segments if segment.thickness is not None]
+    thinnest, name = min(walls, default=(float("inf"), ""))
+    if gap >= thinnest:
+        raise OptionError(f"gap is {gap:g}, but {name} is only {thinnest:.4g} thick: expected less than every wall")
+
+
+def _above(gap: float) -> float:
+    """The gap rounded up to two digits."""
+    digits = 1 - int(np.floor(np.log10(gap)))
+    return float(np.ceil(gap * 10.0**digits - 1e-6) / 10.0**digits)
+
+
+def _facing(
+    rows: Sequence[FaceSide], surfaces: Sequence[Surface], tolerance: float, reach: float
+) -> Iterator[tuple[FaceSide, FaceSide, float]]:
+    """Pairs of faces of different segments that look at one another over a gap up to `reach`."""
+    groups: dict[tuple[object, ...], list[tuple[float, FaceSide]]] = {}
+    for row in rows:
+        surface = surfaces[row.surface]
+        if isinstance(surface, Plane):
+            key: tuple[object, ...] = ("plane", *(np.round(surface.normal, 6) + 0.0).tolist())
+            groups.setdefault(key, []).append((surface.offset, row))
+        elif isinstance(surface, CylinderSurface):
+            groups.setdefault(("cylinder", surface.axis_id), []).append((surface.radius, row))
+    for group in groups.values():
+        out = [(at, row) for at, row in group if row.side > 0]
+        back = sorted(((at, row) for at, row in group if row.side < 0), key=lambda item: item[0])
+        places = [at for at, _ in back]
+        for at, row in out:
+            for place in range(bisect_right(places, at + tolerance), bisect_right(places, at + reach)):
+                other = back[place][1]
+                apart = np.maximum(row.box[0], other.box[0]) - np.minimum(row.box[1], other.box[1])
+                if row.segment != other.segment and (apart <= reach).all():
+                    yield row, other, places[place] - at
+
+
+def _opposite(
+    faces: Sequence[Faces], pair: tuple[FaceSide, FaceSide], surfaces: Sequence[Surface]
+) -> tuple[Region, Region]:
+    """What two faces have opposite each other, in the coordinates of each one's surface."""
+    one, other = (patch_of(faces[row.segment], row) for row in pair)
+    first, second = (surfaces[row.surface] for row in pair)
+    if isinstance(first, CylinderSurface) and isinstance(second, CylinderSurface):
+        common = one.intersection(_scaled(other, first.radius / second.radius))
+        return common, _scaled(common, second.radius / first.radius)
+    common = one.intersection(other)
+    return common, common
+
+
+def _scaled(region: Region, factor: float) -> Region:
+    """A region of an unrolled cylinder on one of another radius."""
+    return shapely.transform(region, lambda at: at * (factor, 1.0))

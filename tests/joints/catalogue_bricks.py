@@ -1,0 +1,72 @@
+"""Bricks on plates, on their edges, on pipes and on one another."""
+
+from __future__ import annotations
+
+from catalogue_beams import SHEET
+from catalogue_tubes import PIPE
+from joined_model import Joined
+from solids import cube, difference, placed, rod, turned, union
+
+BRICKS = {
+    "brick over a plate's edge": Joined(union(SHEET, cube(80, 80, 60, (260, 110, 10))), "face", "brick plate"),
+    "brick on a plate": Joined(union(SHEET, cube(80, 80, 60, (110, 110, 10))), "face", "brick plate"),
+    "brick on both faces": Joined(
+        union(SHEET, cube(80, 80, 60, (110, 110, 10)), cube(60, 60, 60, (130, 130, -60))), "face", "brick brick plate"
+    ),
+    "brick against a plate's edge": Joined(
+        union(cube(200, 120, 10), cube(80, 80, 80, (200, 20, -35))), "face", "brick plate"
+    ),
+    "plate's edge on a brick": Joined(
+        union(cube(150, 120, 80), cube(150, 10, 150, (0, 55, 80))), "face", "brick plate"
+    ),
+    "plate's edge on a brick, askew": Joined(
+        union(cube(150, 150, 80), cube(120, 8, 120, (30, 30, 80), turned("z", 30))), "face", "brick plate"
+    ),
+    "plate's edge on a brick, longer": Joined(
+        union(cube(100, 100, 80), cube(200, 8, 120, (-50, 46, 80))), "face", "brick plate"
+    ),
+    "plate set into a brick": Joined(
+        union(cube(150, 120, 80), cube(150, 10, 150, (0, 55, 40))), "face", "brick plate", {"0": "brick", "1": "plate"}
+    ),
+    "brick amid a plate": Joined(
+        union(difference(cube(240, 240, 10), cube(80, 80, 10, (80, 80, 0))), cube(80, 80, 80, (80, 80, -35))),
+        "face",
+        "brick plate",
+    ),
+    "brick on a brick": Joined(
+        union(cube(100, 100, 60), cube(100, 100, 50, (0, 0, 60))), "face", "brick brick", {"0": "brick", "1": "brick"}
+    ),
+    "small brick on a brick": Joined(union(cube(120, 120, 60), cube(50, 50, 50, (30, 40, 60))), "face", "brick brick"),
+    "brick askew on a brick": Joined(
+        union(cube(120, 120, 60), cube(60, 60, 50, (50, 20, 60), turned("z", 30))), "face", "brick brick"
+    ),
+    "brick over a brick's edge": Joined(
+        union(cube(120, 120, 60), cube(60, 60, 60, (90, 30, 60))), "face", "brick brick", {"0": "brick", "1": "brick"}
+    ),
+    "bricks side by side": Joined(union(cube(100, 100, 60), cube(60, 60, 90, (100, 20, 0))), "face", "brick brick"),
+    "round brick on a brick": Joined(union(cube(120, 120, 60), rod(50, 30, (60, 60, 60))), "face", "brick brick"),
+    "peg in a brick": Joined(
+        union(difference(cube(120, 120, 60), rod(80, 30, (60, 60, -10))), rod(60, 30, (60, 60, 0))),
+        "face",
+        "brick brick",
+        {"0": "brick", "1": "brick"},
+    ),
+    "round boss on a plate": Joined(union(SHEET, rod(60, 35, (150, 150, 10))), "face", "brick plate"),
+    "drilled boss on a drilled plate": Joined(
+        difference(union(SHEET, rod(60, 50, (150, 150, 10))), rod(100, 20, (150, 150, -5))), "face", "brick plate"
+    ),
+    "pipe on a brick": Joined(union(cube(200, 200, 80, (-100, -100, -80)), PIPE), "face", "brick cylinder_plate"),
+    "ball on a rod": Joined(
+        union(rod(200, 6), placed("sphere($fn=0,$fa=6,$fs=2,r=25);", (0, 0, 220))), "end_on", "beam brick"
+    ),
+    "brick on a tee": Joined(
+        union(cube(200, 150, 10), cube(200, 8, 80, (0, 71, -80)), cube(60, 60, 60, (70, 45, 10))),
+        "face tee",
+        "brick plate plate",
+    ),
+    "brick in a corner of plates": Joined(
+        union(cube(150, 150, 8), cube(8, 150, 100, (0, 0, 8)), cube(60, 60, 60, (8, 45, 8))),
+        "corner face",
+        "brick plate plate",
+    ),
+}
