@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kernel.connect.arrange import Arrangement, Average, Body, Interpolation, Pair, joint_of
-from kernel.connect.equations import Expression, Freedom, average_matrices, equation, offset_row, rigid_row, rows
+from kernel.connect.equations import Expression, Freedom, average_matrices, cross_matrix, equation, rigid_row, rows
 from kernel.connect.model import Coupling, Mpc, Rbe2, Rbe3
 from kernel.connect.work import BeamFrame, beam_frames, patch_faces, warping_of, work_matrix
 from kernel.errors import ConnectError, OptionError
@@ -178,29 +178,25 @@ def _pair_row(pair: Pair, component: int, nodes: Array, has_rotations: NDArray[n
 def _interpolated(item: Interpolation, nodes: Array, has_rotations: NDArray[np.bool_]) -> dict[Freedom, Expression]:
     """A node's place on a face, with its arm.
 
-    Hosts of shells: u = sum N u_i + theta x (x - sum N x_i), theta = sum N theta_i: the shell's own displacement at the
-    foot, so that its rotations about the normal, which hardly resist, carry nothing in its plane. Hosts of solids have
+    Hosts of shells: u = sum N u_i + theta x (x - sum N x_i), with the shell's own rotation there. Hosts of solids have
     no rotations: u = sum N u_i + theta x (x - sum N x_i) with the rotation that fits the hosts' translations best.
     """
     components = _components(item.node, has_rotations) if item.tie.has_rotations else range(1, 4)
     foot = item.weights @ nodes[item.hosts]
     if has_rotations[item.hosts].all():
         arm = nodes[item.node] - foot
-        turned = _turned_in_plane(item.hosts, arm, nodes)
         arm[np.abs(arm) < ROUNDING * np.ptp(nodes[item.hosts], axis=0).max()] = 0.0
+        rotation = _shell_rotation(item, nodes)
+        across = -cross_matrix(arm)  # theta x arm
         table: dict[Freedom, Expression] = {}
         for component in components:
-            row: Expression = {}
-            for host, weight in zip(item.hosts.tolist(), item.weights.tolist()):
-                for freedom, value in offset_row(arm, component, host).items():
-                    row[freedom] = row.get(freedom, 0.0) + weight * value
-            if component < 4 and turned is not None:
-                nodal, fitted = turned
-                for freedom, value in _row_on(item.hosts, fitted[component - 1]).items():
-                    row[freedom] = row.get(freedom, 0.0) + value
-                for host, weight in zip(item.hosts.tolist(), item.weights.tolist()):
-                    for k in range(3):
-                        row[(host, 4 + k)] = row.get((host, 4 + k), 0.0) - weight * float(nodal[component - 1, k])
+            if component > 3:
+                table[(item.node, component)] = rotation[component - 4]
+                continue
+            row = {(int(n), component): float(w) for n, w in zip(item.hosts, item.weights)}
+            for part, factor in zip(rotation, across[component - 1].tolist()):
+                for freedom, value in part.items() if factor else ():
+                    row[freedom] = row.get(freedom, 0.0) + factor * value
             table[(item.node, component)] = row
         return table
     even = np.full(len(item.hosts), 1.0)
@@ -214,24 +210,29 @@ def _interpolated(item: Interpolation, nodes: Array, has_rotations: NDArray[np.b
     }
 
 
-def _turned_in_plane(hosts: NDArray[np.int64], arm: Array, nodes: Array) -> tuple[Array, Array] | None:
-    """What the rotation of a shell's element about its normal moves the end of an arm that leans off the element.
+def _shell_rotation(item: Interpolation, nodes: Array) -> list[Expression]:
+    """The three rotations of a shell's element at a place: sum N theta_i, but about the normal as its corners' own
+    translations tell it, for there the nodes' rotations hardly resist and carry nothing.
 
-    By the nodes' rotations (3, 3), which hardly resist about the normal, and (3, n, 3) by the corners' translations,
-    which are to stand for them; None where the arm stands upright, or on an edge.
+    On an edge, which says nothing of the element's plane, all three are the nodes'.
     """
-    if len(hosts) < 3:  # an edge says nothing of the element's plane
-        return None
-    corners = nodes[hosts]
-    normal = np.cross(corners[2] - corners[0], corners[-1] - corners[1])
-    normal = normal / np.linalg.norm(normal)
-    along = arm - normal * (arm @ normal)
-    if np.linalg.norm(along) < ROUNDING * np.ptp(corners, axis=0).max():
-        return None
-    turn = average_matrices(corners, np.full(len(hosts), 1.0), corners.mean(axis=0))[1]
-    about = np.einsum("i,ink->nk", normal, turn)
-    way = np.cross(normal, along)
-    return np.outer(way, normal), np.einsum("i,nk->ink", way, about)
+    share = np.eye(3)
+    rows: list[Expression] = [{}, {}, {}]
+    if len(item.hosts) > 2:
+        corners = nodes[item.hosts]
+        normal = np.cross(corners[2] - corners[0], corners[-1] - corners[1])
+        if len(corners) == 3:
+            normal = np.cross(corners[1] - corners[0], corners[2] - corners[0])
+        normal = normal / np.linalg.norm(normal)
+        turn = average_matrices(corners, np.full(len(corners), 1.0), corners.mean(axis=0))[1]
+        rows = [_row_on(item.hosts, normal[k] * np.einsum("i,ink->nk", normal, turn)) for k in range(3)]
+        share -= np.outer(normal, normal)
+    share[np.abs(share) < ROUNDING] = 0.0
+    for k, row in enumerate(rows):
+        for host, weight in zip(item.hosts.tolist(), item.weights.tolist()):
+            for other in np.flatnonzero(share[k]).tolist():
+                row[(host, 4 + other)] = row.get((host, 4 + other), 0.0) + weight * float(share[k, other])
+    return rows
 
 
 def equations_of(table: dict[Freedom, Expression], couplings: Sequence[Coupling], nodes: Array) -> list[Mpc]:

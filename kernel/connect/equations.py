@@ -58,14 +58,9 @@ def rows(coupling: Coupling, nodes: Array) -> Iterator[tuple[Freedom, Expression
 
 def rigid_row(dependent: int, component: int, independent: int, nodes: Array) -> Expression:
     """Expression of one freedom of a node that follows another rigidly."""
-    return offset_row(nodes[dependent] - nodes[independent], component, independent)
-
-
-def offset_row(arm: Array, component: int, independent: int) -> Expression:
-    """Expression of one freedom at the end of a rigid arm (3,) from a node."""
     if component > 3:
         return {(independent, component): 1.0}
-    turn = -cross_matrix(arm)  # theta x r = -r x theta
+    turn = -cross_matrix(nodes[dependent] - nodes[independent])  # theta x r = -r x theta
     row: Expression = {(independent, component): 1.0}
     row.update({(independent, 4 + k): float(v) for k, v in enumerate(turn[component - 1]) if v != 0})
     return row
