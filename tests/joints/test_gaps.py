@@ -40,7 +40,7 @@ def classified_of(text: str, gap: float = 0.0, turn: np.ndarray | None = None):
     return classify(read_model(text, "apart"), gap=gap)
 
 
-@pytest.mark.parametrize("turn", [None, any_turn(7)], ids=["straight", "turned"])
+@pytest.mark.parametrize("turn", [None, any_turn(8)], ids=["straight", "turned"])
 @pytest.mark.parametrize("name", APART)
 def test_a_small_gap_is_told_with_its_size_and_the_segments(name, turn):
     text, _, area = APART[name]
@@ -56,7 +56,7 @@ def test_a_small_gap_is_told_with_its_size_and_the_segments(name, turn):
 
 
 @pytest.mark.solver
-@pytest.mark.parametrize("turn", [None, any_turn(7)], ids=["straight", "turned"])
+@pytest.mark.parametrize("turn", [None, any_turn(8)], ids=["straight", "turned"])
 @pytest.mark.parametrize("name", APART)
 def test_a_stated_gap_is_joined_across(name, turn, tmp_path):
     text, kind, area = APART[name]
