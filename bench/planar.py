@@ -1,7 +1,8 @@
 """The planar mesher's speed and quality against gmsh and Triangle, in one run: median of 5.
 
-    python bench/planar.py            everything (some minutes: gmsh)
-    python bench/planar.py own        csgmesh alone
+    python bench/planar.py                      everything (some minutes: gmsh)
+    python bench/planar.py own                  csgmesh alone
+    python bench/planar.py --pictures FOLDER    pictures of the meshes, no figures
 
 CPU seconds of this process, one thread, kernels compiled; the other tools from their geometry on. Triangle is
 measured where it is installed (it is not free for commercial use, and no part of csgmesh).
@@ -10,18 +11,22 @@ measured where it is installed (it is not free for commercial use, and no part o
 from __future__ import annotations
 
 import math
+import multiprocessing
 import resource
 import statistics
 import sys
 import time
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
 
 import numpy as np
-from plates import Plate, pipe, plate_a, plate_e
+from hard import hard_regions
+from plates import Plate, dense_pipe, graded_plate, pipe, plate_a, plate_e
+from quality import irregular_share, on_cylinder, quad_quality, triangle_angles
 
 from kernel.mesh.planar import mesh_region
-from kernel.mesh.region import RegionMesh
+from kernel.mesh.region import Region, RegionMesh
 from kernel.mesh.sweep import sweep
 from kernel.numeric.compile_all import compile_all
 
@@ -39,50 +44,24 @@ def timed(work: Callable[[], object]) -> tuple[float, object]:
     return statistics.median(seconds), result
 
 
-def cross(u: np.ndarray, v: np.ndarray) -> np.ndarray:
-    return u[..., 0] * v[..., 1] - u[..., 1] * v[..., 0]
-
-
-def triangle_angles(points: np.ndarray, triangles: np.ndarray) -> np.ndarray:
-    """Smallest angle of each, degrees."""
-    x = points[triangles]
-    ahead = np.roll(x, -1, 1) - x
-    back = -np.roll(ahead, 1, 1)
-    return np.degrees(np.arctan2(cross(ahead, back), (ahead * back).sum(2))).min(1)
-
-
-def quad_quality(x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Scaled Jacobian and aspect (longest edge times perimeter over four areas) of quads (n, 4, 2)."""
-    edge = np.roll(x, -1, 1) - x
-    back = np.roll(edge, 1, 1)
-    length = np.hypot(edge[..., 0], edge[..., 1])
-    jacobian = (cross(back, edge) / (length * np.roll(length, 1, 1))).min(1)
-    area = 0.5 * np.abs(cross(x[:, 2] - x[:, 0], x[:, 3] - x[:, 1]))
-    return jacobian, length.max(1) * length.sum(1) / (4 * area)
-
-
-def irregular_share(n_node: int, quads: np.ndarray) -> float:
-    """Share of inner nodes with other than four neighbours."""
-    pairs = np.sort(np.concatenate([quads[:, [k, (k + 1) % 4]] for k in range(4)]), axis=1)
-    sides, uses = np.unique(pairs, axis=0, return_counts=True)
-    valence = np.bincount(sides.ravel(), minlength=n_node)
-    is_inner = valence > 0
-    is_inner[sides[uses == 1].ravel()] = False
-    return float((valence[is_inner] != 4).mean())
-
-
-def row(case: str, tool: str, seconds: float, mesh: Mesh) -> None:
+def row(case: str, tool: str, seconds: float, mesh: Mesh, period: float | None = None) -> None:
     points, triangles, quads = mesh
     n = len(triangles) + len(quads)
+    cells = [case, tool, f"{n:,}", f"{1e3 * seconds:.1f}", f"{n / seconds / 1e3:,.0f}"]
     if len(quads):
-        jacobian, aspect = quad_quality(points[quads])
-        quality = f"{jacobian.min():.2f} / {np.percentile(jacobian, 5):.3f} / {jacobian.mean():.3f}"
-        quality += f", aspect {aspect.max():.1f}, irregular {100 * irregular_share(len(points), quads):.2f} %"
-        quality += f", quads {100 * len(quads) / n:.1f} %"
+        jacobian, aspect = quad_quality(on_cylinder(points[quads], period))
+        cells += [f"{jacobian.min():.2f}", f"{np.percentile(jacobian, 5):.3f}", f"{jacobian.mean():.3f}"]
+        cells += [f"{aspect.max():.1f}", f"{100 * irregular_share(len(points), quads):.2f} %"]
+        cells += [f"{100 * len(quads) / n:.1f} %"]
     else:
         angles = triangle_angles(points, triangles)
-        quality = f"{angles.min():.1f} / {np.percentile(angles, 5):.1f} / {angles.mean():.1f} degrees"
-    print(f"| {case} | {tool} | {n:,} | {1e3 * seconds:.1f} | {n / seconds / 1e3:,.0f} | {quality} |", flush=True)
+        cells += [f"{angles.min():.1f}", f"{np.percentile(angles, 5):.1f}", f"{angles.mean():.1f}", "", "", ""]
+    print("| " + " | ".join(cells) + " |", flush=True)
+
+
+HEAD = """
+| case | tool | elements | ms | thousand/s | minimum | 5th percentile | mean | aspect | irregular | quads |
+|---|---|---:|---:|---:|---:|---:|---:|---:|---:|---:|"""
 
 
 def own(plate: Plate, faces: str) -> tuple[float, Mesh]:
@@ -142,7 +121,7 @@ def triangle_mesh(plate: Plate) -> tuple[float, Mesh] | None:
 
 
 def against_others(is_own_only: bool) -> None:
-    print("| case | tool | elements | ms | thousand/s | minimum / 5th percentile / mean |\n|---|---|---|---|---|---|")
+    print(HEAD)
     plates = [plate_a(5), plate_a(1), plate_a(0.5), plate_e(10, 1e5), plate_e(40, 1e5)]
     for plate in plates:
         row(plate.name, "csgmesh triangles", *own(plate, "tri"))
@@ -156,29 +135,26 @@ def against_others(is_own_only: bool) -> None:
             row(plate.name, "gmsh quads, full-quad", *gmsh_mesh(plate, 8, 2))
 
 
-def cylinders() -> None:
-    print("\nClosed pipe R 98.5, length 300, h = 5:")
-    radius, period = 98.5, 2 * math.pi * 98.5
-    worst, counts, seconds = [], set(), []
+def own_region(name: str, region: Region, size: float, faces: str) -> None:
+    """A row for a region that has no plate."""
+    mesh_region(region, size, faces)
+    seconds, mesh = timed(lambda: mesh_region(region, size, faces))
+    assert isinstance(mesh, RegionMesh)
+    row(name, f"csgmesh {faces}", seconds, (mesh.points, mesh.triangles, mesh.quads), region.period)
+
+
+def other_regions() -> None:
+    print("\nClosed pipe R 98.5, length 300, h = 5; curves seeded very differently; and what is hard:\n" + HEAD)
     for turn in range(0, 90, 15):
-        region = pipe([(turn + 90 * k, 150.0) for k in range(4)], radius, 20.0, 300.0, 5.0)
-        mesh_region(region, 5.0)
-        duration, mesh = timed(lambda region=region: mesh_region(region, 5.0))
-        worst.append(worst_on_cylinder(mesh, period))
-        counts.add(len(mesh.triangles))
-        seconds.append(duration)
-    print(f"four holes r = 20 turned 0..75 degrees: worst scaled Jacobian {min(worst):.2f}, triangles {max(counts)}, "
-          f"{1e3 * max(seconds):.1f} ms")  # fmt: skip
-    dense = [(360 / 8 * (k + 0.5 * r), 40 + 44.0 * r) for r in range(6) for k in range(8)]
-    mesh = mesh_region(pipe(dense, radius, 28.0, 300.0, 5.0), 5.0)
-    print(f"48 holes r = 28, no straight seam free: worst {worst_on_cylinder(mesh, period):.2f}, "
-          f"{len(mesh.quads)} quads, {len(mesh.triangles)} triangles")  # fmt: skip
-
-
-def worst_on_cylinder(mesh: RegionMesh, period: float) -> float:
-    x = mesh.points[mesh.quads]
-    x[..., 0] -= period * np.round((x[..., 0] - x[:, :1, 0]) / period)
-    return float(quad_quality(x)[0].min())
+        holes = [(turn + 90 * k, 150.0) for k in range(4)]
+        own_region(f"pipe, 4 holes at {turn} degrees", pipe(holes, 98.5, 20.0, 300.0, 5.0), 5.0, "quad")
+    own_region("pipe, 48 holes, no straight seam", dense_pipe(), 5.0, "quad")
+    region, size = graded_plate()
+    for faces in ("quad", "tri"):
+        own_region("plate, seeds .8 to 10", region, size, faces)
+    for name, region, size in hard_regions():
+        for faces in ("quad", "tri"):
+            own_region(name, region, size, faces)
 
 
 def others() -> None:
@@ -217,13 +193,32 @@ def others() -> None:
         return time.perf_counter() - start
 
     one, two = (min(wall(threads) for _ in range(RUNS)) for threads in (1, 2))
-    print(f"{one / two:.2f} times as fast as on one")
+    print(f"{one / two:.2f} times as fast as on one", end="; ")
+    start = time.perf_counter()
+    twins = [multiprocessing.get_context("fork").Process(target=twice, args=(region,)) for _ in range(2)]
+    for twin in twins:
+        twin.start()
+    for twin in twins:
+        twin.join()
+    print(f"two processes, which share no lock: {one / (time.perf_counter() - start):.2f} times")
+
+
+def twice(region: Region) -> None:
+    for _ in range(2):
+        mesh_region(region, 0.3)
 
 
 def main() -> None:
+    if "--pictures" in sys.argv[1:]:
+        from planar_pictures import pictures
+
+        if len(sys.argv) != 3:
+            sys.exit("usage: python bench/planar.py --pictures FOLDER")
+        pictures(Path(sys.argv[2]))
+        return
     print(f"compiled or read from the cache in {compile_all():.1f} s\n")
     against_others(is_own_only="own" in sys.argv[1:])
-    cylinders()
+    other_regions()
     others()
 
 

@@ -90,3 +90,25 @@ def pipe(holes: list[tuple[float, float]], radius: float, drill: float, height: 
     points[:, 0] %= period
     points[points[:, 0] >= period, 0] = 0.0
     return Region(points, made.edges, made.is_boundary, made.is_curved, period)
+
+
+def dense_pipe() -> Region:
+    """A pipe of radius 98.5 with 48 holes in staggered rows, so near to each other that no straight seam is free."""
+    return pipe([(360 / 8 * (k + 0.5 * r), 40 + 44.0 * r) for r in range(6) for k in range(8)], 98.5, 28.0, 300.0, 5.0)
+
+
+def sided(corners: list[tuple[float, float]], sizes: list[float]) -> np.ndarray:
+    """A polygon whose sides are seeded each at a size of its own, in even numbers."""
+    sides = []
+    for k, size in enumerate(sizes):
+        a, b = np.array(corners[k]), np.array(corners[(k + 1) % len(corners)])
+        n = divisions(math.dist(a, b), size, True)
+        sides.append(a + np.arange(n)[:, None] / n * (b - a))
+    return np.concatenate(sides)
+
+
+def graded_plate() -> tuple[Region, float]:
+    """200 by 100 with two holes; sides seeded at 4, 1, 4 and 10, holes at .8 and 8. And the size inside."""
+    rings = [sided([(0, 0), (200, 0), (200, 100), (0, 100)], [4, 1, 4, 10])]
+    rings += [hole(50, 50, 10, 0.8, True), hole(130, 60, 20, 8, True)]
+    return rings_region(rings), 4.0

@@ -18,7 +18,7 @@ import numpy as np
 
 from kernel.numeric.compiled import compiled
 
-_MOST_ABOUT = 16
+MOST_ABOUT = 16
 """Nodes of more quads stay where they are."""
 _FIRST_STEP = 0.2
 _STEPS = 5
@@ -106,24 +106,28 @@ def quad_sines(nodes, quads):
 
 
 @compiled
+def gather_quad(nodes, quads, i, j, star, k):
+    """Row k of star: ax ay bx by cx cy of quad i, which is v, a, b, c from its corner j on."""
+    a = quads[i, (j + 1) % 4]
+    b = quads[i, (j + 2) % 4]
+    c = quads[i, (j + 3) % 4]
+    star[k, 0] = nodes[a, 0]
+    star[k, 1] = nodes[a, 1]
+    star[k, 2] = nodes[b, 0]
+    star[k, 3] = nodes[b, 1]
+    star[k, 4] = nodes[c, 0]
+    star[k, 5] = nodes[c, 1]
+
+
+@compiled
 def _gather(nodes, quads, offset, incidence, v, star):
-    """The quads v, a, b, c about node v as rows ax ay bx by cx cy of star; their number, 0 where they are too many."""
+    """The quads about node v as rows of star; their number, 0 where they are too many."""
     n = offset[v + 1] - offset[v]
     if n > len(star):
         return 0
     for k in range(n):
         place = incidence[offset[v] + k]
-        i = place // 4
-        j = place % 4
-        a = quads[i, (j + 1) % 4]
-        b = quads[i, (j + 2) % 4]
-        c = quads[i, (j + 3) % 4]
-        star[k, 0] = nodes[a, 0]
-        star[k, 1] = nodes[a, 1]
-        star[k, 2] = nodes[b, 0]
-        star[k, 3] = nodes[b, 1]
-        star[k, 4] = nodes[c, 0]
-        star[k, 5] = nodes[c, 1]
+        gather_quad(nodes, quads, place // 4, place % 4, star, k)
     return n
 
 
@@ -243,7 +247,7 @@ def _bisect(nodes, star, n, v, under):
 
 
 @compiled
-def _search(nodes, star, n, v, under):
+def search_place(nodes, star, n, v, under):
     """Pattern search for the place where the worst corner shape about node v is best; in place. True if it moved.
 
     Only a node whose worst corner shape is below `under` is tried.
@@ -315,7 +319,7 @@ def smooth_quads(
         if is_active[v] != 0 and is_fixed[v] == 0 and offset[v + 1] > offset[v]:
             active[n_active] = v
             n_active += 1
-    star = np.empty((_MOST_ABOUT, 6))
+    star = np.empty((MOST_ABOUT, 6))
     moved_in = np.full(n_node, -1, np.int32)  # the last pass of the search that moved a node
     first_search = n_pass + n_bisect
     for number in range(first_search + n_search):
@@ -330,5 +334,5 @@ def smooth_quads(
                 _average(nodes, star, n, v, good_enough)
             elif number < first_search:
                 _bisect(nodes, star, n, v, bisect_under)
-            elif _search(nodes, star, n, v, search_under):
+            elif search_place(nodes, star, n, v, search_under):
                 moved_in[v] = number

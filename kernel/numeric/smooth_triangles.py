@@ -18,6 +18,7 @@ from kernel.numeric.halfedge import flip, following, preceding
 
 _RINGS = 2
 _MOST_TURNS = 20
+_MOST_ABOUT = 24
 
 
 @compiled
@@ -157,42 +158,86 @@ def smooth_triangles(points, corner, twin, lock, leaving, active, n_pass, good_e
 
 
 @compiled
-def _smallest_sine_about(points, corner, twin, start, x, y):
-    """Sine of the smallest angle of the triangles about a node if it stood at x, y; 9 for a node on the hull."""
-    worst = 2.0
+def _gather(points, corner, twin, start, ring):
+    """The edges a-b against a node, as rows ax ay bx by |ab|^2 of ring; their number, 0 for too many or a hull."""
+    n = 0
     e = start
-    while True:
+    while n < len(ring):
         a = corner[following(e)]
         b = corner[preceding(e)]
-        ux = points[a, 0] - x
-        uy = points[a, 1] - y
-        vx = points[b, 0] - x
-        vy = points[b, 1] - y
-        u2 = ux * ux + uy * uy
-        v2 = vx * vx + vy * vy
-        w2 = (vx - ux) ** 2 + (vy - uy) ** 2
-        two_longest = math.sqrt(max(u2 * v2, max(v2 * w2, w2 * u2)) + 1e-300)
-        worst = min(worst, (ux * vy - uy * vx) / two_longest)
+        ring[n, 0] = points[a, 0]
+        ring[n, 1] = points[a, 1]
+        ring[n, 2] = points[b, 0]
+        ring[n, 3] = points[b, 1]
+        ring[n, 4] = (points[b, 0] - points[a, 0]) ** 2 + (points[b, 1] - points[a, 1]) ** 2
+        n += 1
         e = np.int64(twin[preceding(e)])
         if e == start:
-            return worst
+            return n
         if e < 0:
-            return 9.0
+            return 0
+    return 0
+
+
+@compiled
+def _smallest_sine2(ring, n, first, x, y, floor):
+    """Squared sine, with its sign, of the smallest angle about a node if it stood at x, y; and its row of ring.
+
+    Rows from `first` on are looked at; one at or under `floor` is returned as it is: such a place is of no use.
+    """
+    worst = 2.0
+    worst_row = first
+    for k in range(n):
+        row = first + k if first + k < n else first + k - n
+        ux = ring[row, 0] - x
+        uy = ring[row, 1] - y
+        vx = ring[row, 2] - x
+        vy = ring[row, 3] - y
+        u2 = ux * ux + uy * uy
+        v2 = vx * vx + vy * vy
+        w2 = ring[row, 4]
+        cross = ux * vy - uy * vx
+        sine2 = cross * abs(cross) / (max(u2 * v2, max(v2 * w2, w2 * u2)) + 1e-300)
+        if sine2 < worst:
+            worst = sine2
+            worst_row = row
+            if worst <= floor:
+                break
+    return worst, worst_row
+
+
+@compiled
+def _is_settled(corner, twin, start, moved_in, number):
+    """True where neither the node that half-edge `start` leaves nor a neighbour has moved since its last turn."""
+    if moved_in[corner[start]] >= number - 1:
+        return False
+    e = start
+    while True:
+        if moved_in[corner[following(e)]] >= number - 1:
+            return False
+        e = np.int64(twin[preceding(e)])
+        if e == start or e < 0:
+            return True
 
 
 @compiled
 def raise_smallest_angles(points, corner, twin, leaving, active, threshold, n_pass):
     """Pattern search on nodes whose smallest angle has a sine under `threshold`; in place."""
-    for _ in range(n_pass):
+    ring = np.empty((_MOST_ABOUT, 5))
+    moved_in = np.full(len(points), -1, np.int32)  # the last pass that moved a node
+    for number in range(n_pass):
         for i in range(len(active)):
             v = active[i]
             start = np.int64(leaving[v])
-            if start < 0:
+            if start < 0 or (number > 0 and _is_settled(corner, twin, start, moved_in, number)):
                 continue
             x = points[v, 0]
             y = points[v, 1]
-            best = _smallest_sine_about(points, corner, twin, start, x, y)
-            if best >= threshold:
+            n = _gather(points, corner, twin, start, ring)
+            if n == 0:
+                continue
+            best, worst_row = _smallest_sine2(ring, n, 0, x, y, -9.0)
+            if best >= threshold * threshold:
                 continue
             a = corner[following(start)]
             step = 0.2 * math.hypot(points[a, 0] - x, points[a, 1] - y)
@@ -204,9 +249,10 @@ def raise_smallest_angles(points, corner, twin, leaving, active, threshold, n_pa
                     direction = d * math.pi / 4 + 0.3 * attempt
                     to_x = x + step * math.cos(direction)
                     to_y = y + step * math.sin(direction)
-                    sine = _smallest_sine_about(points, corner, twin, start, to_x, to_y)
+                    sine, row = _smallest_sine2(ring, n, worst_row, to_x, to_y, best)
                     if sine > best:
                         best = sine
+                        worst_row = row
                         best_x = to_x
                         best_y = to_y
                         improved = True
@@ -214,5 +260,7 @@ def raise_smallest_angles(points, corner, twin, leaving, active, threshold, n_pa
                 y = best_y
                 if not improved:
                     step *= 0.5
+            if x != points[v, 0] or y != points[v, 1]:
+                moved_in[v] = number
             points[v, 0] = x
             points[v, 1] = y

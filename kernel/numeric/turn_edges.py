@@ -7,12 +7,10 @@ d--a--e      to nodes that have too few, which smoothing alone cannot.
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 
 from kernel.numeric.compiled import compiled
-from kernel.numeric.smooth_quads import corner_shape, quad_sine, quads_about
+from kernel.numeric.smooth_quads import MOST_ABOUT, corner_shape, gather_quad, quad_sine, quads_about, search_place
 
 _GAIN = 0.01
 """Least gain of the worst corner shape for which a turned edge is kept."""
@@ -21,17 +19,11 @@ _MOST_LOCAL = 64
 
 
 @compiled
-def _worst_local(nodes, quads, local, n_local, v):
-    """Worst corner shape of the local quads that have node v; of all of them where v is -1."""
+def _worst_local(nodes, quads, local, n_local):
+    """Worst corner shape of the local quads."""
     worst = 2.0
     for m in range(n_local):
         i = local[m]
-        has = v < 0
-        for j in range(4):
-            if quads[i, j] == v:
-                has = True
-        if not has:
-            continue
         for j in range(4):
             a = quads[i, (j + 3) % 4]
             b = quads[i, j]
@@ -44,34 +36,20 @@ def _worst_local(nodes, quads, local, n_local, v):
 
 
 @compiled
-def _relax(nodes, quads, local, n_local, hexagon, is_fixed):
-    """Pattern search of the hexagon's free nodes on the worst corner shape about each, in place."""
+def _relax(nodes, quads, local, n_local, hexagon, is_fixed, star):
+    """Pattern search of the hexagon's free nodes on the worst corner shape about each, in place. star: scratch."""
     for _ in range(_ROUNDS):
         for k in range(6):
             v = np.int64(hexagon[k])
             if is_fixed[v] != 0:
                 continue
-            best = _worst_local(nodes, quads, local, n_local, v)
-            other = hexagon[(k + 1) % 6]
-            step = 0.2 * math.hypot(nodes[other, 0] - nodes[v, 0], nodes[other, 1] - nodes[v, 1])
-            for attempt in range(4):
-                x = nodes[v, 0]
-                y = nodes[v, 1]
-                best_x = x
-                best_y = y
-                for d in range(8):
-                    direction = d * math.pi / 4 + 0.3 * attempt
-                    nodes[v, 0] = x + step * math.cos(direction)
-                    nodes[v, 1] = y + step * math.sin(direction)
-                    shape = _worst_local(nodes, quads, local, n_local, v)
-                    if shape > best:
-                        best = shape
-                        best_x = nodes[v, 0]
-                        best_y = nodes[v, 1]
-                nodes[v, 0] = best_x
-                nodes[v, 1] = best_y
-                if best_x == x and best_y == y:
-                    step *= 0.5
+            n = 0
+            for m in range(n_local):
+                for j in range(4):
+                    if quads[local[m], j] == v and n < len(star):
+                        gather_quad(nodes, quads, local[m], j, star, n)
+                        n += 1
+            search_place(nodes, star, n, v, 2.0)
 
 
 @compiled
@@ -85,6 +63,7 @@ def turn_edges(nodes, quads, is_fixed, under, most):
     is_stale = np.zeros(n_quad, np.uint8)  # near a turned edge: offset and incidence are out of date there
     local = np.empty(_MOST_LOCAL, np.int32)
     hexagon = np.empty(6, np.int32)
+    star = np.empty((MOST_ABOUT, 6))
     places = np.empty((6, 2))
     found = np.empty((6, 2))
     n_turned = 0
@@ -140,14 +119,14 @@ def turn_edges(nodes, quads, is_fixed, under, most):
                         n_local += 1
             if not is_free:
                 continue
-            before = _worst_local(nodes, quads, local, n_local, np.int64(-1))
+            before = _worst_local(nodes, quads, local, n_local)
             for way in range(2):
                 turned = (a, e, c, d, e, f, b, c) if way == 0 else (f, b, c, d, a, e, f, d)
                 for m in range(4):
                     quads[i, m] = turned[m]
                     quads[k, m] = turned[m + 4]
-                _relax(nodes, quads, local, n_local, hexagon, is_fixed)
-                after = _worst_local(nodes, quads, local, n_local, np.int64(-1))
+                _relax(nodes, quads, local, n_local, hexagon, is_fixed, star)
+                after = _worst_local(nodes, quads, local, n_local)
                 if after > before + gain:
                     gain = after - before
                     kept_k = k

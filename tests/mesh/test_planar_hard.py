@@ -1,0 +1,73 @@
+"""What meshers fail on, in small: holes almost touching, holes far under the size, sharp corners, strips with holes."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from planar_regions import assert_meshes, hole, least_angles, polygon, rectangle, region, scaled_jacobian
+
+from kernel.mesh.gaps import SampledCurve, divide, gap_sizes
+from kernel.mesh.planar import mesh_region
+
+
+def seeded_by_gaps(gap: float) -> list[np.ndarray]:
+    """Four round holes of radius 6 in a row, `gap` apart, seeded at a size of 2 or as their gaps ask."""
+    t = np.linspace(0, -2 * np.pi, 257)
+    circles = []
+    for k in range(4):
+        x = 10 + 6 + k * (12 + gap)
+        circles.append(SampledCurve(np.column_stack([x + 6 * np.cos(t), 15 + 6 * np.sin(t)]), k, k, True, 2.0))
+    rings = []
+    for curve, sizes in zip(circles, gap_sizes(circles)):
+        seeds = np.concatenate([[0.0], divide(curve.along, sizes, 16, True)])
+        rings.append(np.column_stack([np.interp(seeds, curve.along, curve.points[:, k]) for k in range(2)]))
+    return rings
+
+
+@pytest.mark.parametrize("gap", [1.0, 0.2, 2 / 30])
+def test_holes_almost_touching_mesh_well(gap: float) -> None:
+    plane = region([rectangle(20 + 48 + 3 * gap, 30, 2), *seeded_by_gaps(gap)], (1, 2, 3, 4))
+    mesh = mesh_region(plane, 2.0)
+    assert_meshes(plane, mesh)
+    assert len(mesh.triangles) == 0
+    assert scaled_jacobian(mesh).min() >= 0.6
+    triangles = mesh_region(plane, 2.0, "tri")
+    assert_meshes(plane, triangles)
+    assert least_angles(triangles).min() >= 30
+
+
+def test_holes_far_under_the_size_mesh() -> None:
+    holes = [hole(4.0 * i + 4, 4.0 * j + 4, 0.3, 2.0) for i in range(6) for j in range(3)]
+    plane = region([rectangle(28, 16, 2), *holes], tuple(range(1, 19)))
+    for faces in ("quad", "tri"):
+        mesh = mesh_region(plane, 2.0, faces)
+        assert_meshes(plane, mesh)
+        if faces == "quad":
+            assert scaled_jacobian(mesh).min() >= 0.45
+
+
+@pytest.mark.parametrize("angle", [30, 15, 5])
+def test_sharp_corners_are_as_good_as_they_can_be(angle: float) -> None:
+    plane = region([polygon([(0, 0), (60, 0), (60, 60 * math.tan(math.radians(angle)))], 2.0)])
+    mesh = mesh_region(plane, 2.0)
+    assert_meshes(plane, mesh)
+    if len(mesh.triangles) == 0:
+        assert scaled_jacobian(mesh).min() >= 0.95 * math.sin(math.radians(angle))
+    else:
+        assert angle < 12  # no quad under .2 may leave: a triangle stands in the corner
+    triangles = mesh_region(plane, 2.0, "tri")
+    assert_meshes(plane, triangles)
+    assert least_angles(triangles).min() >= 0.75 * angle
+
+
+def test_a_strip_with_holes_across_most_of_it_meshes() -> None:
+    holes = [hole(10.0 * k + 5, 1.5, 0.5, 0.4) for k in range(10)]
+    plane = region([rectangle(100, 3, 1), *holes], tuple(range(1, 11)))
+    mesh = mesh_region(plane, 3.0)
+    assert_meshes(plane, mesh)
+    assert scaled_jacobian(mesh).min() >= 0.7
+    triangles = mesh_region(plane, 3.0, "tri")
+    assert_meshes(plane, triangles)
+    assert least_angles(triangles).min() >= 30
