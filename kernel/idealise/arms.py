@@ -98,13 +98,22 @@ def extended(_one: str, _other: str) -> str:
 def tee_choice(tee: str, of_joint: Mapping[str, str], joints: Sequence[Joint]) -> TeeOf:
     """What holds for two segments: what was said of one of their joints, else `tee`.
 
-    of_joint: "extend" or "arms" by joint id. OptionError: an unknown joint.
+    of_joint: "extend" or "arms" by joint id. OptionError: an unknown joint, or two of the same segments that differ.
     """
     known = {joint.id: frozenset(joint.segments) for joint in joints}
     for name in of_joint:
         if name not in known:
             raise OptionError(f"no joint {name!r} in the model, expected one of {', '.join(known) or 'none'}")
-    pinned = {known[name]: value for name, value in of_joint.items()}
+    pinned: dict[frozenset[str], str] = {}
+    by: dict[frozenset[str], str] = {}
+    for name, value in of_joint.items():
+        pair = known[name]
+        if pinned.setdefault(pair, value) != value:
+            raise OptionError(
+                f"tee of {by[pair]} is {pinned[pair]!r} and of {name} {value!r}, but both join "
+                f"{' and '.join(sorted(pair))}: expected the same"
+            )
+        by.setdefault(pair, name)
     return lambda one, other: pinned.get(frozenset((one, other)), tee)
 
 

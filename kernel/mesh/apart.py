@@ -7,7 +7,7 @@ A   |   |   |  B  ->  A  |     v'--c'--w'   B      vertex the faces stay togethe
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterable, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import replace
 
 from kernel.connect.bodies import Bodies
@@ -19,6 +19,12 @@ from kernel.idealise.topology import Curve, Topology
 
 Apart = Callable[[int, int], bool]
 """Whether two faces are meshed apart."""
+
+HANGING = ("tee", "pipe")
+"""Kinds of joints at which a wall may end within another."""
+
+SHOWN = 6
+"""Joints that a warning names."""
 
 
 def wanted_apart(joints: Sequence[Joint], apart: Collection[str]) -> frozenset[str]:
@@ -32,20 +38,68 @@ def wanted_apart(joints: Sequence[Joint], apart: Collection[str]) -> frozenset[s
 
 def joined_tees(tee_of: TeeOf, joints: Sequence[Joint], apart: Collection[str]) -> TeeOf:
     """The same choice of tees, but extended ones where a joint is apart: nothing hangs from what is not joined."""
-    torn_pairs = {frozenset(joint.segments) for joint in joints if joint.id in apart}
-    return lambda one, other: extended(one, other) if {one, other} in torn_pairs else tee_of(one, other)
+    pairs = torn_pairs(joints, apart)
+    return lambda one, other: extended(one, other) if {one, other} in pairs else tee_of(one, other)
+
+
+def torn_pairs(joints: Sequence[Joint], apart: Collection[str]) -> set[frozenset[str]]:
+    """The pairs of segments all of whose joints are apart."""
+    held = {frozenset(joint.segments) for joint in joints if joint.id not in apart}
+    return {frozenset(joint.segments) for joint in joints if joint.id in apart} - held
+
+
+def half_apart(walls: Collection[str], joints: Sequence[Joint], apart: Collection[str]) -> list[str]:
+    """A line for each joint of two walls that is to be apart, while another of theirs is not. walls: segment ids."""
+    pairs = torn_pairs(joints, apart)
+    lines = []
+    for joint in joints:
+        if (
+            joint.id in apart
+            and frozenset(joint.segments) not in pairs
+            and all(name in walls for name in joint.segments)
+        ):
+            others = [o.id for o in joints if set(o.segments) == set(joint.segments) and o.id not in apart]
+            lines.append(
+                f"{joint.id} is not apart, for {' and '.join(joint.segments)} are joined by {' and '.join(others)} "
+                "too; expected all of them apart"
+            )
+    return lines
+
+
+def lost_arms(
+    tee: str, of_joint: Mapping[str, str], joints: Sequence[Joint], apart: Collection[str], only: Collection[str] | None
+) -> list[str]:
+    """A line where arms are asked of joints that are apart.
+
+    tee, of_joint: as in MeshOptions. only: ids of the segments to mesh, None for all.
+    """
+    pairs = torn_pairs(joints, apart)
+    lost = [
+        joint.id
+        for joint in joints
+        if frozenset(joint.segments) in pairs
+        and (only is None or any(name in only for name in joint.segments))
+        and of_joint.get(joint.id, tee if joint.kind in HANGING else "extend") == "arms"
+    ]
+    if not lost:
+        return []
+    more = f" and {len(lost) - SHOWN} more" if len(lost) > SHOWN else ""
+    return [
+        f"{', '.join(lost[:SHOWN])}{more}: no arms, for nothing hangs from what is meshed apart; walls are carried on "
+        "to one another's mid-surfaces there"
+    ]
 
 
 def faces_apart(parts: Parts, joints: Sequence[Joint], apart: Collection[str]) -> Apart:
     """Two walls are apart where every joint that they have is; where all joints are, any two walls."""
     if apart and all(joint.id in apart for joint in joints):
         return lambda one, other: one != other
-    joined: dict[tuple[int, int], bool] = {}
-    for joint in joints:
-        if all(name in parts.walls for name in joint.segments):
-            one, other = sorted(parts.walls[name].index for name in joint.segments)
-            joined[one, other] = joined.get((one, other), True) and joint.id in apart
-    return lambda one, other: joined.get((min(one, other), max(one, other)), False)
+    pairs = {
+        frozenset(parts.walls[name].index for name in pair)
+        for pair in torn_pairs(joints, apart)
+        if all(name in parts.walls for name in pair)
+    }
+    return lambda one, other: frozenset((one, other)) in pairs
 
 
 def torn(topology: Topology, curves: Sequence[Curve], faces: Collection[int], is_apart: Apart) -> list[Curve]:

@@ -26,7 +26,7 @@ from kernel.idealise.parts import Parts
 from kernel.idealise.regions import join_walls
 from kernel.idealise.topology import BOUNDARY, Curve, Topology
 from kernel.idealise.walls import corner_material, make_wall
-from kernel.mesh.apart import count_pieces, faces_apart, joined_tees, torn, wanted_apart
+from kernel.mesh.apart import count_pieces, faces_apart, half_apart, joined_tees, lost_arms, torn, wanted_apart
 from kernel.mesh.arms import arm_rows, arm_ties, hung_curves
 from kernel.mesh.beam_ties import beam_stations
 from kernel.mesh.beams import mesh_beams
@@ -92,7 +92,10 @@ def assemble(
     torn_joints = wanted_apart(joints, [joint.id for joint in joints] if only is not None else apart)
     tee_of = joined_tees(tee_choice(options.tee, options.joint_tees, joints), joints, torn_joints)
     parts = idealise(segments, joints, evaluated.size, options.volumes, tee_of, torn_joints, evaluated.frame)
-    parts.warnings += unused_choices(options.joint_tees, joints, parts.arms)
+    joined_choices = {name: tee for name, tee in options.joint_tees.items() if name not in torn_joints}
+    parts.warnings += unused_choices(joined_choices, joints, parts.arms)
+    parts.warnings += lost_arms(options.tee, options.joint_tees, joints, torn_joints, only)
+    parts.warnings += half_apart(parts.walls, joints, torn_joints)
     ledger = volume_ledger(parts, parts.topology.curves(), evaluated.solid.true_volume)  # as joined, whatever is meshed
     parts.warnings += unexplained(ledger, sum(segment.volume for segment in segments))
     every_segment = [segment.id for segment in segments]

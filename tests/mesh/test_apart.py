@@ -4,10 +4,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from test_assemble_joints import JOINTS
 
 from app.pipeline import classify, mesh, read
 from kernel.connect.checks import check_against
 from kernel.connect.reference import reference_of
+from kernel.csg.reader import read_model
 from kernel.edit.connecting import connect_model
 from kernel.edit.edited import Edited
 from kernel.edit.merging import merge_models
@@ -75,11 +77,42 @@ def test_one_joint_apart_leaves_the_others_as_they_are():
     assert len(meshed.model.couplings) == 3
 
 
-def test_a_joint_that_a_third_segment_holds_together_is_told():
+def test_walls_apart_stay_one_model_where_a_third_joins_both():
     base = classified("tests/cases/corner_three_plates.csg")
     meshed = mesh(base, joint_couplings={base.joints[0].id: "apart"})
     assert meshed.checks.passed
     assert meshed.checks.components == 1
+
+
+def test_a_joint_that_a_third_segment_holds_together_is_told():
+    base = classify(read_model(JOINTS["three walls on one line"], "test"))
+    meshed = mesh(base, joint_couplings={"j3": "apart"})
+    assert [warning for warning in meshed.warnings if "apart" in warning] == [
+        "s1 and s3 are to be apart, but a third segment holds them together on a common curve"
+    ]
+
+
+def test_one_of_two_joints_of_the_same_walls_is_not_apart_alone_and_that_is_told():
+    base = classify(read_model(JOINTS["cross"], "test"))
+    assert [joint.segments for joint in base.joints] == [("s1", "s2")] * 2
+    half = mesh(base, joint_couplings={"j1": "apart"})
+    assert half.checks.components == 1
+    assert "j1 is not apart, for s1 and s2 are joined by j2 too; expected all of them apart" in half.warnings
+    both = mesh(base, joint_couplings={"j1": "apart", "j2": "apart"})
+    assert both.checks.components == 2 and not both.warnings
+
+
+def test_arms_asked_of_joints_that_are_apart_are_told():
+    base = classified("tests/cases/bracket_two_gussets.csg")
+    told = "no arms, for nothing hangs from what is meshed apart"
+    tees = [joint.id for joint in base.joints if joint.kind == "tee"]
+    whole = mesh(base, MeshOptions(tee="arms"))
+    assert len(whole.assembly.arms) and not [warning for warning in whole.warnings if told in warning]
+    apart = mesh(base, MeshOptions(tee="arms"), apart=True)
+    (line,) = [warning for warning in apart.warnings if told in warning]
+    assert line.startswith(f"{', '.join(tees)}:")
+    one = mesh(base, MeshOptions(joint_tees={tees[0]: "arms"}), apart=True)
+    assert [w for w in one.warnings if "arms" in w] == [line.replace(", ".join(tees), tees[0])]
 
 
 @pytest.mark.parametrize("name", ["shaft_stepped_stout", "block_with_fin", "i_between_blocks", "table_touching"])

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from assembling import WHOLE, assembled, audit, cube, difference, extrusion, mesh_volume, rod, turned, union
 from test_assemble_joints import JOINTS, TUBE_ON_PLATE, inclined_web
 
 from kernel.errors import OptionError
+from kernel.idealise.arms import tee_choice
 
 TEE = JOINTS["tee"]
 
@@ -143,6 +146,13 @@ def test_arms_asked_of_a_corner_are_warned_of():
     plain, _ = assembled(JOINTS["vee at 90 degrees"])
     assembly, _ = assembled(JOINTS["vee at 90 degrees"], joint_tees={plain.joints[0].id: "arms"})
     assert any("has no arms" in warning for warning in assembly.warnings)
+
+
+def test_two_joints_of_the_same_segments_cannot_differ():
+    joints = [SimpleNamespace(id=name, segments=("s1", "s2")) for name in ("j1", "j2")]
+    with pytest.raises(OptionError, match="tee of j1 is 'arms' and of j2 'extend', but both join s1 and s2"):
+        tee_choice("extend", {"j1": "arms", "j2": "extend"}, joints)
+    assert tee_choice("extend", {"j1": "arms", "j2": "arms"}, joints)("s2", "s1") == "arms"
 
 
 EDGE, CARRIER = "100,75,4", "100,75,2"
