@@ -128,7 +128,7 @@ def _parsed(text: str) -> list[dict[str, Any]]:
     if not equals and name.lower().endswith(".json"):
         try:
             read = json.loads(_bytes(name))
-        except ValueError as error:
+        except (ValueError, RecursionError) as error:
             raise OptionError(f"{name}: is no JSON: {error}") from None
         return read if isinstance(read, list) else [read]
     match name, equals:

@@ -7,6 +7,7 @@ programs may add their own.
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -93,9 +94,15 @@ class _Value:
         return self.value
 
     def number(self) -> float:
-        if not isinstance(self.value, int | float) or isinstance(self.value, bool) or not np.isfinite(self.value):
+        if not isinstance(self.value, int | float) or isinstance(self.value, bool):
             raise self.refuse("a finite number")
-        return float(self.value)
+        try:
+            value = float(self.value)
+        except OverflowError:  # of a whole number beyond all floats
+            value = math.inf
+        if not math.isfinite(value):
+            raise self.refuse("a finite number")
+        return value
 
     def index(self, count: int) -> int:
         """A whole number from 0 to count - 1."""
@@ -208,7 +215,7 @@ def _properties(
             )
         )
     names = [element.segment for element in properties]
-    if len(set(names)) < len(names) or not set(kinds) <= set(names):
+    if len(set(names)) < len(names) or set(kinds) != set(names):
         raise _Wrong(f"properties are of {', '.join(names)}, expected one for each of {', '.join(kinds)}")
     return tuple(properties)
 

@@ -78,11 +78,13 @@ def _with_ties(couplings: list[Coupling], found: Connected) -> list[Coupling]:
     nodes = found.mesh.nodes
     ties = make_couplings(found.ties, found.mesh, nodes).couplings
     tied = {node for coupling in ties for node in dependent_nodes([coupling])}
-    stay = [coupling for coupling in couplings if tied.isdisjoint(independent_nodes(coupling))]
-    opened = [coupling for coupling in couplings if not tied.isdisjoint(independent_nodes(coupling))]
+    stay: list[Coupling] = []
+    opened: list[Coupling] = []
+    for coupling in couplings:
+        (stay if tied.isdisjoint(independent_nodes(coupling)) else opened).append(coupling)
     taken: set[Freedom] = set()
     table: dict[Freedom, Expression] = {}
-    for coupling in (*ties, *opened, *stay):
+    for place, coupling in enumerate((*stay, *ties, *opened)):
         for freedom, row in rows(coupling, nodes):
             if freedom in taken:
                 raise ConnectError(
@@ -90,6 +92,6 @@ def _with_ties(couplings: list[Coupling], found: Connected) -> list[Coupling]:
                     "connect before coupling, or leave its segment out"
                 )
             taken.add(freedom)
-            if coupling not in stay:
+            if place >= len(stay):
                 table[freedom] = row
     return [*stay, *equations_of(table, stay, nodes)]

@@ -26,7 +26,12 @@ class Edited:
 
     @classmethod
     def of(cls, model: Model, reference: Reference | None = None) -> Edited:
-        """A model before its first edit. reference: None where its solid is not known, as of a deck that was read."""
+        """A model before its first edit. reference: None where its solid is not known, as of a deck that was read.
+
+        OptionError: a model without elements.
+        """
+        if not any(model.mesh.count().values()):
+            raise OptionError(f"{model.title or 'the model'} has no elements, expected some to edit")
         return cls(model, reference or own_reference(model))
 
     def done(self, model: Model, reference: Reference, line: str) -> Edited:

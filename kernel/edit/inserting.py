@@ -105,7 +105,7 @@ def _split_line(work: Workpiece, index: int, element: int, node: int, local: flo
 def _in_shell(work: Workpiece, found: Found, place: Array, reach: float) -> tuple[int, str]:
     block = work.blocks[found.block]
     segment = block.segment
-    fitted = surface_of(work, segment, place)
+    fitted = surface_of(work, segment, found.place)  # not the place itself, which may lie on a cylinder's axis
     corners = block.connectivity[found.element, : ELEMENT_KINDS[block.kind].n_corner]
     extent = float(np.linalg.norm(np.ptp(work.nodes[corners], axis=0)))
     on = fitted.lift(fitted.flat(place[None]))[0]

@@ -113,7 +113,7 @@ def refuse_inverted(mesh: Mesh) -> None:
         if least.get(block.kind, np.inf) > 0 or not len(block.connectivity):
             continue
         places = mesh.nodes[block.connectivity]
-        bad = np.flatnonzero(_least_jacobian(kind, places) <= 0)
+        bad = np.flatnonzero(~(_least_jacobian(kind, places) > 0))  # those of no number too
         if len(bad):
             x, y, z = places[bad[0]].mean(axis=0)
             raise MeshError(

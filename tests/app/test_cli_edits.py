@@ -113,6 +113,7 @@ def test_what_cannot_be_is_refused_in_one_line_and_nothing_is_written(csgmesh, d
         ('[{"op": "add_node"}]', "edit 1: at is missing"),
         ("[3]", "edit 1: it is 3, expected an object"),
         ("{", "edits.json: is no JSON"),
+        ("[" * 100_000, "edits.json: is no JSON"),
     ],
 )
 def test_a_file_of_edits_is_checked_before_anything_is_done(csgmesh, decks, given, told):

@@ -147,6 +147,8 @@ def changed(path, value):
         (("blocks", 0, "connectivity", 0, 0), 0.5, r"blocks\[0\]\.connectivity .* whole numbers"),
         (("properties", 0, "material"), "cheese", r"properties\[0\]\.material is \"cheese\", expected one of steel"),
         (("properties",), [], "properties are of , expected one for each of"),
+        (("properties", 0, "segment"), "s9", "properties are of s9, .*, expected one for each of"),
+        (("materials", "steel", "density"), 10**400, r"materials\.steel\.density is 1000.*, expected a finite number"),
         (("materials", "steel", "poisson_ratio"), 0.5, "NU = 0.5"),
         (("couplings", 0, "kind"), "glue", r"couplings\[0\]\.kind is \"glue\", expected rbe2, rbe3 or mpc"),
         (("couplings", 0, "components"), "7", r"couplings\[0\]\.components .* some of 123456"),

@@ -13,6 +13,8 @@ from kernel.connect.checks import check_against
 from kernel.connect.model import NamedSet, Property, Rbe2
 from kernel.edit.edited import Edited
 from kernel.edit.inserting import add_node
+from kernel.edit.patch import surface_of
+from kernel.edit.workpiece import Workpiece
 from kernel.errors import MeshError, OptionError
 from kernel.mesh.mesh import ElementBlock
 from kernel.mesh.quality import mesh_quality
@@ -224,3 +226,10 @@ def test_the_nearest_place_that_is_told_of_a_tube_is_on_its_true_surface():
     told = tuple(float(word) for word in str(refused.value).rpartition("(")[2].rstrip(")").split(","))
     assert np.hypot(told[0], told[1]) == pytest.approx(50, rel=1e-5)
     assert node_there(add_node(Edited.of(model), told, tolerance=0.01).model, told) < 0.01
+
+
+def test_a_place_on_the_axis_of_a_tube_is_refused_with_the_nearest_on_it():
+    edited = Edited.of(tube("quad4"))
+    axis = surface_of(Workpiece(edited.model, edited.reference), "s1", np.array([50.0, 0, 45])).origin
+    with pytest.raises(OptionError, match=r"\(0, 0, 50\) lies .* beside s1, expected a place on it: the nearest is"):
+        add_node(edited, axis)

@@ -198,3 +198,10 @@ def test_beams_on_one_node_are_connected_stiffly():
     upper = model_of(nodes, [line_block("s2", range(5), (0, 1, 0))], [replace(lower.properties[0], segment="s2")])
     edited = connect_model(merged(lower, upper))
     assert checks(edited).passed and checks(edited).components == 1
+
+
+@pytest.mark.parametrize("blocks", [(), (ElementBlock("s1", "quad4", np.empty((0, 4), np.int64)),)])
+def test_a_model_without_elements_cannot_be_edited(blocks):
+    empty = model_of(np.empty((0, 3)), list(blocks), [])
+    with pytest.raises(OptionError, match="handmade has no elements, expected some to edit"):
+        Edited.of(empty)

@@ -158,5 +158,11 @@ def test_inverted_elements_are_refused_with_segment_and_place():
     assert mesh_quality(broken, allow_inverted=True)["quad4"]["scaled_jacobian"]["min"] < 0
 
 
+def test_elements_at_no_place_are_refused_as_inverted_ones_are():
+    nodes = np.array([[0.0, 0, 0], [1, 0, 0], [1, np.nan, 0], [0, 1, 0]])
+    with pytest.raises(MeshError, match="segment s1: 1 of 1 quad4 elements are inverted"):
+        mesh_quality(Mesh(nodes, (ElementBlock("s1", "quad4", np.array([[0, 1, 2, 3]])),)))
+
+
 def test_an_empty_mesh_has_no_quality():
     assert mesh_quality(model_of(np.empty((0, 3)), [], []).mesh) == {}
