@@ -179,22 +179,14 @@ def mesh(
 
 
 def segments_of(classified: Classified, addresses: Collection[str]) -> list[str]:
-    """Ids of the segments that the addresses mean: a segment's id, or a node's path or name for those at or under it.
+    """Ids of the segments that the addresses mean, each a segment's id or a node's path or name, as for `sizes`.
 
-    OverrideError: there is no such node. OptionError: a node of no segment.
+    OptionError: an address of nothing, or of no segment.
     """
-    segments = classified.partition.segments
-    found: set[str] = set()
-    for address in addresses:
-        if any(segment.id == address for segment in segments):
-            found.add(address)
-            continue
-        path, _ = find(classified.csg.root, address)
-        inside = {s.id for s in segments if path == "/" or s.node == path or s.node.startswith(f"{path}.")}
-        if not inside:
-            raise OptionError(f"node {address} has no segments of its own, expected a segment or a node that has some")
-        found |= inside
-    return [segment.id for segment in segments if segment.id in found]
+    from kernel.segment.addresses import by_segment
+
+    found = by_segment(dict.fromkeys(addresses, True), classified.evaluated, classified.partition.segments, "only")
+    return list(found)
 
 
 def refuse_failed(meshed: Meshed) -> None:

@@ -42,7 +42,7 @@ def by_segment(
     """
     ids = [segment.id for segment in segments]
     paths: dict[str, str] = {}
-    of_path: dict[str, list[str]] = {}
+    of_path: dict[str, set[str]] = {}
     for address in wanted:
         if address in ids:
             continue
@@ -50,7 +50,7 @@ def by_segment(
         if path in paths:
             raise OptionError(f"{what} of {paths[path]!r} and of {address!r}: both are node {path}, expected one")
         paths[path] = address
-        of_path[path] = segments_of(path, node, evaluated, segments)
+        of_path[path] = set(segments_of(path, node, evaluated, segments))
         if not of_path[path]:
             own = ", ".join(dict.fromkeys(segment.name or segment.node for segment in segments))
             raise OptionError(

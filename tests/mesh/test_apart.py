@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 from test_assemble_joints import JOINTS
 
-from app.pipeline import classify, mesh, read
+from app.pipeline import classify, mesh, read, segments_of
 from kernel.connect.checks import check_against
 from kernel.connect.reference import reference_of
 from kernel.csg.reader import read_model
 from kernel.edit.connecting import connect_model
 from kernel.edit.edited import Edited
 from kernel.edit.merging import merge_models
-from kernel.errors import ConnectError, OptionError, OverrideError
+from kernel.errors import ConnectError, OptionError
 from kernel.mesh.options import MeshOptions
 
 ROOT = Path(__file__).parents[2]
@@ -134,5 +134,14 @@ def test_names_that_are_none_are_refused():
     base = classified("examples/table.csg")
     with pytest.raises(OptionError, match="no joint 'j9' in the model, expected one of j1, j2, j3, j4"):
         mesh(base, joint_couplings={"j9": "apart"})
-    with pytest.raises(OverrideError, match=r"no node '7\.7'"):
+    with pytest.raises(OptionError, match=r"only of '7\.7': .*no node '7\.7'"):
         mesh(base, only=["7.7"])
+
+
+def test_a_node_below_a_difference_that_is_meshed_whole_means_the_segments_within_it():
+    base = classified("tests/cases/bracket_two_gussets.csg")
+    assert {segment.node for segment in base.partition.segments} == {"/"}
+    assert segments_of(base, ["0.1"]) == ["s1"]
+    assert segments_of(base, ["0.3", "s1", "0.0"]) == ["s1", "s3", "s4"]
+    with pytest.raises(OptionError, match="only of '1': node 1 has no segments of its own"):
+        segments_of(base, ["1"])
