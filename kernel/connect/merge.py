@@ -64,6 +64,7 @@ def merge(meshes: Sequence[Mesh]) -> Mesh:
         blocks += [replace(block, connectivity=block.connectivity + start) for block in mesh.blocks]
         start += mesh.n_node
     nodes = np.vstack([mesh.nodes for mesh in meshes]) if meshes else np.empty((0, 3))
+    nodes.flags.writeable = False
     return Mesh(nodes, tuple(blocks))
 
 

@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from kernel.connect.mass import total
+from kernel.connect.merge import merge
 from kernel.connect.model import Model, NamedSet
 from kernel.connect.reference import Reference
 from kernel.edit.edited import Edited, renumbered_coupling, segment_names, unique_name
@@ -36,7 +37,8 @@ def merge_models(first: Edited, second: Edited) -> Merged:
         raise OptionError(f"{one.title} is in {one.units} and {other.title} in {other.units}, expected the same units")
     segments = _segment_ids(one, other)
     materials = _material_names(one.materials, other.materials)
-    mesh = _merged_mesh(one.mesh, other.mesh, segments)
+    renamed = tuple(replace(block, segment=segments[block.segment]) for block in other.mesh.blocks)
+    mesh = merge([one.mesh, Mesh(other.mesh.nodes, renamed)])
     behind = np.arange(other.mesh.n_node) + one.mesh.n_node
     couplings = [renumbered_coupling(coupling, behind) for coupling in other.couplings]
     model = Model(
@@ -89,16 +91,6 @@ def _material_names(one: Mapping[str, Material], other: Mapping[str, Material]) 
         if name in one and one[name] != material:
             renamed[name] = unique_name(name, {*one, *other, *renamed.values()})
     return renamed
-
-
-def _merged_mesh(one: Mesh, other: Mesh, segments: Mapping[str, str]) -> Mesh:
-    nodes = np.vstack([one.nodes, other.nodes])
-    nodes.flags.writeable = False
-    moved = (
-        replace(block, segment=segments[block.segment], connectivity=block.connectivity + one.n_node)
-        for block in other.blocks
-    )
-    return Mesh(nodes, (*one.blocks, *moved))
 
 
 def _merged_sets(one: Model, other: Model, segments: Mapping[str, str]) -> tuple[NamedSet, ...]:
