@@ -34,6 +34,9 @@ NEWTON_STEPS = 12
 INSIDE = 1e-6
 """Local coordinates beyond an element's rim by less than this are on it."""
 
+BULGE = 1e-3
+"""Places on an element lie in the box of its nodes, widened by this share: more than rounding."""
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Connected:
@@ -98,6 +101,7 @@ def _coincident(mesh: Mesh, reach: float, segments: Sequence[str]) -> Indices:
     """New number of each node, nodes of different segments nearer than the reach made one."""
     found = near_pairs(mesh.nodes, reach) if reach > 0 else []
     pairs = sorted(found, key=lambda pair: float(np.linalg.norm(mesh.nodes[pair[0]] - mesh.nodes[pair[1]])))
+    chosen = set(segments)
     owners: dict[int, set[str]] = {node: set() for pair in pairs for node in pair}
     for block in mesh.blocks:
         for node in owners.keys() & set(block.connectivity.ravel().tolist()):
@@ -106,7 +110,7 @@ def _coincident(mesh: Mesh, reach: float, segments: Sequence[str]) -> Indices:
     for a, b in pairs:
         one, other = bodies.find(a), bodies.find(b)
         both = owners[one] | owners[other]
-        if one != other and both <= set(segments) and owners[one].isdisjoint(owners[other]):
+        if one != other and both <= chosen and owners[one].isdisjoint(owners[other]):
             bodies.join(one, other)
             owners[bodies.find(one)] = both
     first = np.array([bodies.find(node) for node in range(mesh.n_node)], dtype=np.int64)
@@ -138,7 +142,7 @@ def _renumbered(mesh: Mesh, numbers: Indices) -> Mesh:
 
 def _ties(mesh: Mesh, reach: float, segments: Sequence[str], bound: Collection[int]) -> tuple[Tie, ...]:
     """For each two segments, the side with more hanging nodes follows the other."""
-    parts = {name: part for name in segments if (part := _part(mesh, name)) is not None}
+    parts = {name: part for name in segments if (part := _part(mesh, name, reach)) is not None}
     names = list(parts)
     low, high = (np.array([parts[name].box[k] for name in names]).reshape(-1, 3) for k in (0, 1))
     ties = []
@@ -156,14 +160,18 @@ def _ties(mesh: Mesh, reach: float, segments: Sequence[str], bound: Collection[i
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Part:
-    """A segment of beams or shells: its nodes, their box (2, 3), and its blocks of shells, which can be hosts."""
+    """A segment of beams or shells: its nodes, their box (2, 3), and its blocks of shells, which can be hosts.
+
+    boxes: of each block of shells, its elements' lowest and highest corners, (2, n_element, 3), a little widened.
+    """
 
     nodes: Indices
     box: Array
     shells: tuple[ElementBlock, ...]
+    boxes: tuple[Array, ...]
 
 
-def _part(mesh: Mesh, segment: str) -> _Part | None:
+def _part(mesh: Mesh, segment: str, reach: float) -> _Part | None:
     """None for solids: their nodes have no rotations to follow with."""
     blocks = [b for b in mesh.blocks if b.segment == segment and ELEMENT_KINDS[b.kind].dimension < 3]
     rows = [block.connectivity.ravel() for block in blocks if block.connectivity.size]
@@ -172,7 +180,13 @@ def _part(mesh: Mesh, segment: str) -> _Part | None:
     nodes = np.unique(np.concatenate(rows))
     places = mesh.nodes[nodes]
     shells = tuple(block for block in blocks if ELEMENT_KINDS[block.kind].dimension == 2)
-    return _Part(nodes, np.array([places.min(axis=0), places.max(axis=0)]), shells)
+    boxes = []
+    for block in shells:
+        corners = mesh.nodes[block.connectivity]
+        low, high = corners.min(axis=1), corners.max(axis=1)
+        margin = reach + BULGE * (high - low)
+        boxes.append(np.array([low - margin, high + margin]))
+    return _Part(nodes, np.array([places.min(axis=0), places.max(axis=0)]), shells, tuple(boxes))
 
 
 def _hanging(
@@ -186,7 +200,7 @@ def _hanging(
     hosts: list[Indices] = []
     weights: list[Array] = []
     for node in own.tolist():
-        found = None if node in bound else _host(mesh, host.shells, mesh.nodes[node], reach)
+        found = None if node in bound else _host(mesh, host, mesh.nodes[node], reach)
         if found is not None:
             nodes.append(node)
             hosts.append(found[0])
@@ -194,17 +208,15 @@ def _hanging(
     return np.array(nodes, dtype=np.int64), tuple(hosts), tuple(weights)
 
 
-def _host(mesh: Mesh, shells: Sequence[ElementBlock], place: Array, reach: float) -> tuple[Indices, Array] | None:
+def _host(mesh: Mesh, host: _Part, place: Array, reach: float) -> tuple[Indices, Array] | None:
     """The element of the segment on which the place lies, without nodes of no weight."""
-    for block in shells:
-        places = mesh.nodes[block.connectivity]
-        margin = reach + 1e-3 * np.ptp(places, axis=1)
-        near = ((place >= places.min(axis=1) - margin) & (place <= places.max(axis=1) + margin)).all(axis=1)
-        for element in np.flatnonzero(near).tolist():
-            weights = _weights_at(block.kind, places[element], place, reach)
+    for block, (low, high) in zip(host.shells, host.boxes):
+        for element in np.flatnonzero(((place >= low) & (place <= high)).all(axis=1)).tolist():
+            nodes = block.connectivity[element]
+            weights = _weights_at(block.kind, mesh.nodes[nodes], place, reach)
             if weights is not None:
                 heavy = np.abs(weights) > INSIDE
-                return block.connectivity[element][heavy], weights[heavy] / weights[heavy].sum()
+                return nodes[heavy], weights[heavy] / weights[heavy].sum()
     return None
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kernel.mesh.elements import ELEMENT_KINDS
-from kernel.mesh.mesh import ElementBlock, Mesh
+from kernel.mesh.mesh import Mesh
 from kernel.mesh.shapes import shape_derivatives, shape_values
 
 Array = NDArray[np.float64]
@@ -108,18 +108,3 @@ def _on_edge(kind: str, corners: Array, place: Array, edge: int) -> Array:
         if abs(share - before) < 1e-14:
             break
     return edge_local(kind, edge, share)
-
-
-def nearest_edge(mesh: Mesh, block: ElementBlock, element: int, place: Array) -> tuple[int, float, float]:
-    """(edge of a shell element, share of the way along it, distance) nearest to a place."""
-    corners = mesh.nodes[block.connectivity[element]]
-    best = (0, 0.0, float("inf"))
-    for edge in range(ELEMENT_KINDS[block.kind].n_corner):
-        local = _on_edge(block.kind, corners, place, edge)
-        on = shape_values(block.kind, local[None])[0] @ corners
-        distance = float(np.linalg.norm(place - on))
-        if distance < best[2]:
-            reach = edge_local(block.kind, edge, 1.0) - edge_local(block.kind, edge, 0.0)
-            share = float((local - edge_local(block.kind, edge, 0.0)) @ reach / (reach @ reach))
-            best = (edge, share, distance)
-    return best
