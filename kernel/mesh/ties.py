@@ -163,13 +163,17 @@ def _edge_on_brick(meshed: Meshed, joint: Joint, wall: Wall, brick: str, faces: 
     nodes = np.array(edge_nodes(meshed, wall, joint), dtype=np.int64)
     surface, patch = faces.surface, joint.patch_of(brick)
     flat = flatten(surface, meshed.points[nodes])
-    cells = shapely.get_parts(shapely.voronoi_polygons(shapely.MultiPoint(flat), extend_to=patch.envelope))
-    if len(nodes) == 1:
-        cells = np.array([patch.envelope.buffer(1e-9)])
+    own: list[shapely.Geometry] = [patch] * len(nodes)
+    if len(nodes) > 1:
+        cells = shapely.get_parts(shapely.voronoi_polygons(shapely.MultiPoint(flat), extend_to=patch.envelope))
+        widened = shapely.STRtree(shapely.buffer(cells, 1e-9 * np.sqrt(shapely.area(cells))))
+        inside, around = widened.query(shapely.points(flat), predicate="within")
+        for place in range(len(nodes)):
+            found = around[inside == place]
+            if len(found):
+                own[place] = patch.intersection(cells[found.min()])
     ties = []
-    for node, point in zip(nodes.tolist(), flat):
-        cell = next((c for c in cells if c.buffer(1e-9 * abs(c.area) ** 0.5).contains(shapely.Point(point))), None)
-        part = patch.intersection(cell) if cell is not None else patch
+    for node, part in zip(nodes.tolist(), own):
         if part.area > 1e-9 * patch.area:
             ties.append(average(joint, node, faces, part, wall.segment.id))
     return ties
