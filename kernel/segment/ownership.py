@@ -1,11 +1,14 @@
 """Ownership: where drafts overlap, the overlap belongs to one of them.
 
 To the brick, then the plate or cylinder-plate, then the beam; among equals to the larger section, then the larger
-volume, then the thinner wall, then by place. Drafts were decided on their untrimmed solids and keep their full length.
+volume, then the thinner wall, then by place. But a brick that ends within a wall's thickness, as what stands on a plate
+and is let into it a little, leaves the wall whole: a wall with a pocket has no mid-surface there, a shorter brick is a
+brick. Drafts were decided on their untrimmed solids and keep their full length.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -15,9 +18,10 @@ from shapely import STRtree
 
 from kernel.segment.shapes import Draft
 from kernel.segment.slabs import most_shared
-from kernel.segment.walls import PlaneWall
+from kernel.segment.walls import PlaneWall, TubeWall, Vector
 from kernel.solid.fins import without_fins
-from kernel.solid.solid import Solid, subtract, unite
+from kernel.solid.lathe import SEGMENTS_PER_TURN
+from kernel.solid.solid import Solid, intersect, subtract, unite
 
 RANK = {"brick": 0, "plate": 1, "cylinder_plate": 1, "beam": 2}
 """Lower ranks own overlaps."""
@@ -32,9 +36,16 @@ UNTOUCHED = 1e-9
 """A draft that loses less than this share of its volume is not overlapped."""
 
 
+THROUGH = 1e-3
+"""An overlap nearer than this many thicknesses to a wall's face reaches that face."""
+
+CHORD = 1.0 - math.cos(math.pi / SEGMENTS_PER_TURN)
+"""Of a tube's radius: so far may a facet of its face lie off it."""
+
+
 def settle_overlaps(drafts: Sequence[Draft]) -> list[Draft]:
     """The drafts made disjoint, in the order of their rank; together they fill what they filled before."""
-    ranked = sorted(drafts, key=_rank)
+    ranked = sorted(_on_walls(list(drafts)), key=_rank)
     losses = _overlapped(ranked)
     kept: list[Draft] = []
     place: dict[int, list[int]] = {}
@@ -62,8 +73,48 @@ def _rank(draft: Draft) -> tuple[float, ...]:
     return (RANK[draft.type], -round(draft.section_area / size**2, 9), -volume, thickness, *map(float, corners))
 
 
-def _overlapped(ranked: Sequence[Draft]) -> list[list[int]]:
-    """For each draft, the higher ranked ones whose boxes overlap its own."""
+def _on_walls(drafts: list[Draft]) -> list[Draft]:
+    """Bricks that end within the thickness of a wall, each cut back to the wall's face; the others as they were."""
+    for loser, owners in enumerate(_overlapped(drafts, both_ways=True)):
+        draft = drafts[loser]
+        if draft.type != "brick":
+            continue
+        walls = [drafts[owner] for owner in owners if _ends_within(draft, drafts[owner])]
+        if not walls:
+            continue
+        rest = without_fins(subtract(draft.solid, [wall.solid for wall in walls]))
+        if len(rest.components()) == 1:
+            drafts[loser] = replace(draft, solid=rest)
+    return drafts
+
+
+def _ends_within(brick: Draft, draft: Draft) -> bool:
+    """Whether what a brick and a wall share reaches one of the wall's two faces, and the brick goes on from there."""
+    wall = draft.wall
+    if wall is None:
+        return False
+    shared = intersect([brick.solid, draft.solid])
+    if shared.is_empty or shared.volume < UNTOUCHED * brick.solid.volume:
+        return False
+    if isinstance(wall, PlaneWall):
+        bottom, top = wall.bottom, wall.top
+        depth, whole = (solid.facets.vertices @ wall.normal for solid in (shared, brick.solid))
+    else:
+        bottom, top = wall.inner_radius, wall.outer_radius
+        depth, whole = (_radii(solid, wall) for solid in (shared, brick.solid))
+    near = THROUGH * wall.thickness + (CHORD * wall.outer_radius if isinstance(wall, TubeWall) else 0.0)
+    reaches_bottom, reaches_top = bool(depth.min() < bottom + near), bool(depth.max() > top - near)
+    goes_on = bool(whole.min() < bottom - near) if reaches_bottom else bool(whole.max() > top + near)
+    return reaches_bottom != reaches_top and goes_on
+
+
+def _radii(solid: Solid, wall: TubeWall) -> Vector:
+    arm = solid.facets.vertices - wall.axis.point
+    return np.hypot(arm @ wall.axis.x, arm @ wall.axis.y)
+
+
+def _overlapped(ranked: Sequence[Draft], both_ways: bool = False) -> list[list[int]]:
+    """For each draft, the earlier ones (or all, both ways) whose boxes overlap its own."""
     losses: list[list[int]] = [[] for _ in ranked]
     if len(ranked) < 2:
         return losses
@@ -72,7 +123,7 @@ def _overlapped(ranked: Sequence[Draft]) -> list[list[int]]:
     flat = shapely.box(boxes[:, 0, 0], boxes[:, 0, 1], boxes[:, 1, 0], boxes[:, 1, 1])
     first, second = STRtree(flat).query(flat)
     depth = np.minimum(boxes[first, 1], boxes[second, 1]) - np.maximum(boxes[first, 0], boxes[second, 0])
-    overlap = (depth > slack).all(axis=1) & (second < first)
+    overlap = (depth > slack).all(axis=1) & ((second != first) if both_ways else (second < first))
     for loser, owner in zip(first[overlap], second[overlap]):
         losses[int(loser)].append(int(owner))
     return [sorted(owners) for owners in losses]

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from kernel.solid.solid import Solid
 
 GROWTH = 1.1
-"""A slab grows by this many times what it takes to reach through the crossing wall that takes most, along itself."""
+"""Into a crossing wall a slab grows by this many times what it takes to reach through it, along itself."""
 
 COVER = 0.98
 """Share of a paired region that must be solid half-way between the faces."""
@@ -142,17 +142,26 @@ def _touching(slab: Solid, wall: PlaneWall) -> Solid | None:
 
 
 def _grown(filled: Region, wall: PlaneWall, walls: tuple[Wall, ...]) -> Region:
-    """The region, grown inside the slabs of walls that cross it."""
+    """The region, grown inside the slabs of walls that cross it, into each as far as it takes to leave that one.
+
+    No further: beyond a plate that a web stands on, another web may stand in line with it (a beam over its column).
+    """
     crossing = [other for other in walls if other is not wall and not _is_parallel(wall, other)]
     if not crossing:
         return filled
-    growth = GROWTH * max(_way_through(wall, other) for other in crossing)
-    wide = filled.buffer(growth, join_style="mitre")
-    left, low, right, high = wide.bounds
+    ways = [_way_through(wall, other) for other in crossing]
+    left, low, right, high = filled.buffer(GROWTH * max(ways), join_style="mitre").bounds
     reach = (right - left) + (high - low)
     centre = np.array([0.5 * (left + right), 0.5 * (low + high)])
-    strips = [strip for other in crossing if (strip := _trace(wall, other, centre, reach)) is not None]
-    return shapely.union_all([filled, wide.intersection(shapely.union_all(strips))])
+    strips: dict[float, list[Region]] = {}
+    for other, way in zip(crossing, ways, strict=True):
+        if (strip := _trace(wall, other, centre, reach)) is not None:
+            strips.setdefault(round(way, 12), []).append(strip)
+    grown = [
+        filled.buffer(GROWTH * way, join_style="mitre").intersection(shapely.union_all(crossed))
+        for way, crossed in sorted(strips.items())
+    ]
+    return shapely.union_all([filled, *grown])
 
 
 def _way_through(wall: PlaneWall, other: Wall) -> float:

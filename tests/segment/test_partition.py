@@ -112,3 +112,55 @@ def test_pieces_that_were_combined_are_all_named():
     beam = next(segment for segment in found.segments if segment.type == "beam")
     assert beam.sources == ("0", "1")
     assert beam.length == pytest.approx(1200)
+
+
+@pytest.mark.parametrize("order", ["PL UN LUG", "LUG UN PL"])
+@pytest.mark.parametrize("turn", ["", " AT (ROTX=31, ROTZ=17)"])
+@pytest.mark.parametrize("depth", [0.5, 5.0, 9.9])
+def test_a_brick_let_into_a_plate_leaves_the_plate_whole(order, turn, depth):
+    found = segmented(
+        "PL = BLO(400,200,10)\n"
+        f"LUG = BLO(60,60,60) AT (MOVX=100, MOVY=70, MOVZ={10 - depth})\n"
+        f"P = ({order}){turn}\nOUT P\n"
+    )
+    volume = {segment.type: segment.solid.volume for segment in found.segments}
+    assert volume == {
+        "plate": pytest.approx(400 * 200 * 10, rel=1e-9),
+        "brick": pytest.approx(60 * 60 * (60 - depth), rel=1e-9),
+    }
+
+
+@pytest.mark.parametrize("depth", [10.0, 14.0])
+def test_a_brick_right_through_a_plate_goes_through_its_hole(depth):
+    found = segmented(
+        f"PL = BLO(400,200,10)\nLUG = BLO(60,60,60) AT (MOVX=100, MOVY=70, MOVZ={10 - depth})\nP = PL UN LUG\nOUT P\n"
+    )
+    plate = next(segment for segment in found.segments if segment.type == "plate")
+    assert plate.solid.volume == pytest.approx(400 * 200 * 10 - 60 * 60 * 10, rel=1e-9)
+
+
+@pytest.mark.parametrize("at", [194.0, 191.0])
+def test_a_brick_let_into_a_tube_leaves_the_tube_whole(at):
+    found = segmented(
+        "RIM = CYL(200,40) DIF CYL(190,40)\n"
+        f"LUG = BLO(60,20,60) AT (MOVX={at}, MOVY=-10, MOVZ=-10)\nP = RIM UN LUG\nOUT P\n"
+    )
+    tube = next(segment for segment in found.segments if isinstance(segment.shape, CylinderShape))
+    assert tube.holes == 0
+    alone = segmented("P = CYL(200,40) DIF CYL(190,40)\n").segments[0]
+    assert tube.solid.volume == pytest.approx(alone.solid.volume, rel=1e-6)
+
+
+@pytest.mark.parametrize("base", [0.0, 25.0])
+def test_webs_in_line_on_both_sides_of_a_plate_keep_to_their_sides(base):
+    """A girder's web over a column's: neither takes material of the other, however thick plates elsewhere are."""
+    extra = f" UN (BLO(300,300,{base}) AT (MOVX=-150,MOVY=-150,MOVZ=-{base}))" if base else ""
+    found = segmented(
+        "COLUMN = BLO(7,180,500) AT (MOVX=-3.5,MOVY=-90)\n"
+        "CAP = BLO(600,200,12) AT (MOVX=-100,MOVY=-100,MOVZ=500)\n"
+        "GIRDER = BLO(600,8,276) AT (MOVX=-100,MOVY=-4,MOVZ=512)\n"
+        f"P = COLUMN UN CAP UN GIRDER{extra}\nOUT P\n"
+    )
+    volumes = {segment.thickness: segment.solid.volume for segment in found.segments}
+    assert volumes[7] == pytest.approx(7 * 180 * 500, rel=1e-9)
+    assert volumes[8] == pytest.approx(8 * 600 * 276, rel=1e-9)
