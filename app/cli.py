@@ -122,7 +122,8 @@ def quality(
     deck: Annotated[
         str,
         typer.Argument(
-            metavar="DECK", help="A NASTRAN (.bdf .nas .dat), Gmsh 4.1, VTU, CalculiX or Abaqus (.inp) or .cdb file."
+            metavar="DECK",
+            help="A NASTRAN (.bdf .nas .dat), Gmsh 4.1, VTU, CalculiX or Abaqus (.inp), .cdb or JSON deck.",
         ),
     ],
     as_json: JsonOption = False,

@@ -1,5 +1,5 @@
 """Decks read back, as far as their quality needs it: nodes and elements of NASTRAN, Gmsh 4.1 and VTU files here,
-of CalculiX, Abaqus and ANSYS archives in app/deckblocks.py.
+of CalculiX, Abaqus and ANSYS archives in app/deckblocks.py, of JSON decks by kernel/deck/jsonread.py.
 
 The tables say, for each node that a file lists, its place in our order (kernel/mesh/elements.py).
 """
@@ -68,7 +68,7 @@ VTK_TYPES: dict[int, tuple[str, tuple[int, ...]]] = {
 
 
 def read_deck(path: str) -> Mesh:
-    """Nodes and elements of the deck at `path`, all as one segment.
+    """Nodes and elements of the deck at `path`, all as one segment (of a JSON deck with its segments).
 
     OptionError: the file cannot be opened, or its ending is none that is read. ReadError: it is not what it seems.
     """
@@ -156,12 +156,20 @@ def read_vtu(path: str, text: str) -> Mesh:
     return deck_mesh(path, dict(enumerate(points.tolist())), rows)
 
 
+def read_json(path: str, text: str) -> Mesh:
+    """The mesh of a JSON deck, whole."""
+    from kernel.deck.jsonread import read_json_deck
+
+    return read_json_deck(text, path).mesh
+
+
 _READERS: dict[tuple[str, ...], Callable[[str, str], Mesh]] = {
     (".bdf", ".nas", ".dat"): read_nastran,
     (".msh",): read_gmsh,
     (".vtu",): read_vtu,
     (".inp",): read_inp,
     (".cdb",): read_cdb,
+    (".json",): read_json,
 }
 
 

@@ -59,7 +59,7 @@ class _Reader:
         return solid
 
     def fill_materials(self) -> None:
-        """Give each `MATERIAL name()` the values of the named material, in the file's own UNITS."""
+        """Give each `MATERIAL name` without numbers the values of the named material, in the file's own UNITS."""
         for name, values in self.materials.items():
             if values:
                 continue

@@ -143,7 +143,7 @@ class _ToStatements(Transformer):
         return Statement(_here(items[1]), "units", str(items[1]))
 
     def material(self, items: list[Any]) -> Statement:
-        return Statement(_here(items[1]), "material", str(items[1]), items[2])
+        return Statement(_here(items[1]), "material", str(items[1]), items[2] if len(items) > 2 else ())
 
     def definition(self, items: list[Any]) -> Statement:
         return Statement(_here(items[0]), "definition", str(items[0]), _expression(items[1]))

@@ -45,7 +45,7 @@ def one_of_each(order):
 
 
 @pytest.mark.parametrize("order", [1, 2])
-@pytest.mark.parametrize("ending", ["bdf", "msh", "vtu", "inp", "cdb"])
+@pytest.mark.parametrize("ending", ["bdf", "msh", "vtu", "inp", "cdb", "json"])
 def test_every_kind_comes_back_with_its_quality(tmp_path, ending, order):
     model = one_of_each(order)
     path = tmp_path / f"deck.{ending}"
@@ -77,6 +77,7 @@ def test_small_and_free_fields_and_numbers_without_an_e_are_read(tmp_path):
         ("a.msh", "$MeshFormat\n2.2 0 8\n", r"not MSH 4\.1"),
         ("a.msh", "$MeshFormat\n4.1 0 8\n", "cannot be read"),
         ("a.vtu", "<VTKFile>", "cannot be read"),
+        ("a.json", "[1]", r"a\.json"),
     ],
 )
 def test_what_is_no_deck_is_refused_by_place(tmp_path, name, text, complaint):

@@ -62,7 +62,9 @@ def test_units_and_materials_are_handed_on():
 
 
 def test_a_named_material_is_in_the_units_that_the_file_names_anywhere():
-    assert read("MATERIAL Steel()\nUNITS mm\nA = SPH(1)").materials["Steel"] == {"E": 210e3, "NU": 0.3, "RHO": 7.85e-9}
+    for text in ("MATERIAL Steel()", "MATERIAL Steel", "MATERIAL Steel ! S235"):
+        found = read(f"{text}\nUNITS mm\nA = SPH(1)").materials["Steel"]
+        assert found == {"E": 210e3, "NU": 0.3, "RHO": 7.85e-9}
 
 
 def test_a_model_without_units_says_none():
@@ -286,6 +288,11 @@ def test_angles_are_degrees_and_exact_where_they_can_be():
         (
             "MATERIAL steel()\nA = SPH(1)",
             "m.csg:1:10: the material 'steel' has no numbers, expected them, or UNITS to look it up in",
+        ),
+        (
+            "UNITS mm\nMATERIAL steal\nA = SPH(1)",
+            "m.csg:2:10: unknown material 'steal', expected steel, stainless, aluminium, titanium or concrete, or its "
+            "E, NU and RHO, did you mean 'steel'?",
         ),
         (
             "UNITS mm\nMATERIAL steal()\nA = SPH(1)",
