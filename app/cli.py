@@ -233,3 +233,7 @@ def _classified(
 
     pinned = overrides(override)
     return pipeline.classify(pipeline.read(model), overrides=pinned, rules=rules, units=units, gap=gap)
+
+
+if __name__ == "__main__":  # `python -m app.cli` does what the console script does
+    main()

@@ -171,7 +171,7 @@ def test_two_runs_write_the_same_bytes_wherever_the_model_lies(csgmesh, tmp_path
 
 
 def test_standard_input_is_a_model_too(tmp_path):
-    command = [sys.executable, "-c", "from app.cli import main; main()", "mesh", "-", "-o", str(tmp_path / "plate.msh")]
+    command = [sys.executable, "-m", "app.cli", "mesh", "-", "-o", str(tmp_path / "plate.msh")]
     text = "cube(size = [100, 60, 5], center = false);\n"
     done = subprocess.run(command, input=text, capture_output=True, text=True, check=True)
     assert done.stderr == "" and "quad4" in done.stdout
