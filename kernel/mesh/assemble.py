@@ -89,7 +89,9 @@ def assemble(
     report = progress or _silent
     planned = plan_sizes(segments, options, evaluated)
     sizes = planned.by_segment
-    torn_joints = wanted_apart(joints, [joint.id for joint in joints] if only is not None else apart)
+    torn_joints = wanted_apart(joints, apart)
+    if only is not None:
+        torn_joints = frozenset(joint.id for joint in joints)
     tee_of = joined_tees(tee_choice(options.tee, options.joint_tees, joints), joints, torn_joints)
     parts = idealise(segments, joints, evaluated.size, options.volumes, tee_of, torn_joints, evaluated.frame)
     joined_choices = {name: tee for name, tee in options.joint_tees.items() if name not in torn_joints}

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from kernel.errors import MeshError
+from kernel.errors import DefectError, MeshError
 from kernel.idealise.revolved import RevolvedBrick
 from kernel.mesh.elements import ELEMENT_KINDS
 from kernel.mesh.line import LARGE_PER_TURN
@@ -76,8 +76,12 @@ def mesh_revolved(
     for kind, elements in (("hex8", hexes), ("wedge6", wedges)):
         if len(elements):
             quality = scaled_jacobian(ELEMENT_KINDS[kind], nodes[elements])
-            if quality.min() < LEAST_QUALITY:
-                raise MeshError(f"turned about its axis it has an element of scaled Jacobian {quality.min():.2g}")
+            worst = int(quality.argmin())
+            if quality[worst] < LEAST_QUALITY:
+                place = brick.section.topology.place_text(nodes[elements[worst]].mean(axis=0))
+                raise MeshError(
+                    f"turned about its axis it has an element of scaled Jacobian {quality[worst]:.2g} near {place}"
+                )
     return RevolvedMesh(nodes, hexes, wedges, edges, middles, n_turn)
 
 
@@ -138,6 +142,8 @@ def _core(
         is_curved=np.ones(n_turn, bool),
     )
     disc = mesh_region(region, 2 * math.pi * brick.core_radius / n_turn, "quad")
+    if len(disc.triangles):
+        raise DefectError(f"the core's disc has {len(disc.triangles)} triangles, expected quads alone")
     inner = disc.points[n_turn:]
     low, high = brick.ends
     share = (heights - heights[0]) / (heights[-1] - heights[0])

@@ -134,6 +134,8 @@ def test_names_that_are_none_are_refused():
     base = classified("examples/table.csg")
     with pytest.raises(OptionError, match="no joint 'j9' in the model, expected one of j1, j2, j3, j4"):
         mesh(base, joint_couplings={"j9": "apart"})
+    with pytest.raises(OptionError, match="no joint 'j9' in the model"):
+        mesh(base, only=["s1"], joint_couplings={"j9": "apart"})
     with pytest.raises(OptionError, match=r"only of '7\.7': .*no node '7\.7'"):
         mesh(base, only=["7.7"])
 

@@ -4,12 +4,18 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from assembling import WHOLE, assembled, audit, cube, difference, mesh_volume, placed, rod, turned, union
+from assembling import RULES, WHOLE, assembled, audit, cube, difference, mesh_volume, placed, rod, turned, union
 from test_second_order_cases import least_density, middles_off
 
+from kernel.csg.reader import read_model
 from kernel.errors import MeshError
+from kernel.idealise.revolved import revolved_brick
 from kernel.mesh.bricks import outer_faces
 from kernel.mesh.quality import mesh_quality
+from kernel.mesh.revolve import mesh_revolved
+from kernel.plan import Override
+from kernel.segment.partition import partition
+from kernel.solid.evaluate import evaluate
 
 
 def cone(height: float, bottom: float, top: float, at=(0.0, 0.0, 0.0)) -> str:
@@ -70,3 +76,17 @@ def test_a_solid_that_only_looks_turned_is_not():
     notched = difference(cone(90, 60, 20), cube(20, 20, 20, (40, -10, -1)))
     with pytest.raises(MeshError, match="hexahedra only"):
         assembled(notched, {"/": "brick"}, volumes="hex")
+
+
+def test_a_solid_that_would_be_turned_badly_is_told_with_the_place(monkeypatch):
+    monkeypatch.setattr("kernel.mesh.revolve.LEAST_QUALITY", 1.1)
+    at, turn = np.array([500.0, -300, 200]), turned("x", 33)
+    evaluated = evaluate(read_model(placed(cone(90, 60, 20), tuple(at), turn), "test"))
+    (segment,) = partition(evaluated, RULES.decide, {"/": Override("brick")}).segments
+    brick = revolved_brick(segment, 1e-6 * evaluated.size, evaluated.size, evaluated.frame)
+    assert brick is not None
+    with pytest.raises(MeshError, match=r"scaled Jacobian .* near \(") as refused:
+        mesh_revolved(brick, 15.0, "quad", 1)
+    place = np.array(str(refused.value).split("near (")[1].rstrip(")").split(","), float)
+    along, across = (place - at) @ turn[:, 2], np.linalg.norm(np.cross(place - at, turn[:, 2]))
+    assert 0 < along < 90 and across < 60
