@@ -8,7 +8,7 @@ from fastapi import APIRouter, Body, Response
 from pydantic import Field
 
 from app.api.context import Context, Ctx, question_key
-from app.api.meshing import JOB_EXAMPLE, JobResource, job_resource
+from app.api.meshing import QUEUED, JobResource, job_resource
 from app.api.problems import problem_responses
 from app.editing import MOST_EDITS, Edit, MergeEdit
 from app.schemas import Schema
@@ -36,14 +36,7 @@ class EditsRequest(Schema):
     "/meshes/{mesh_id}/edits",
     status_code=202,
     response_model=JobResource,
-    responses={
-        202: {
-            "description": "Queued",
-            "headers": {"Location": {"schema": {"type": "string"}, "description": "the job"}},
-            "content": {"application/json": {"example": {**JOB_EXAMPLE, "state": "queued"}}},
-        },
-        **problem_responses(404, 422),
-    },
+    responses={**QUEUED, **problem_responses(404, 422)},
 )
 def edit_mesh(
     mesh_id: str,

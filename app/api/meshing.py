@@ -42,6 +42,15 @@ JOB_EXAMPLE = {
     "problem": None,
 }
 
+QUEUED: dict[int | str, dict[str, Any]] = {
+    202: {
+        "description": "Queued",
+        "headers": {"Location": {"schema": {"type": "string"}, "description": "the job"}},
+        "content": {"application/json": {"example": {**JOB_EXAMPLE, "state": "queued"}}},
+    }
+}
+"""What is answered when a job has been taken on."""
+
 QUALITY_EXAMPLE = {"quad4": {"scaled_jacobian": {"min": 0.62, "p5": 0.87, "mean": 0.98}}}
 
 MESH_EXAMPLE = {
@@ -122,14 +131,7 @@ class MeshResource(MeshAnswer):
     "/models/{model_id}/meshes",
     status_code=202,
     response_model=JobResource,
-    responses={
-        202: {
-            "description": "Queued",
-            "headers": {"Location": {"schema": {"type": "string"}, "description": "the job"}},
-            "content": {"application/json": {"example": {**JOB_EXAMPLE, "state": "queued"}}},
-        },
-        **problem_responses(404, 422),
-    },
+    responses={**QUEUED, **problem_responses(404, 422)},
 )
 def create_mesh(
     model_id: str,
