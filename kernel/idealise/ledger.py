@@ -130,11 +130,15 @@ WEDGE = "a square end carried on to the face that it meets askew"
 
 def _filled_wedges(parts: Parts, curves: Sequence[Curve]) -> Iterator[Row]:
     """What walls gain that are cut square, touch another with one corner only, and are carried on to it."""
+    by_carrier: dict[int, list[Curve]] = {}
+    for curve in curves:
+        by_carrier.setdefault(curve.carrier, []).append(curve)
     for crossing in parts.crossings:
         for number in crossing.gap:
             web = next(wall for wall in crossing.walls if wall.index == number)
             flange = crossing.other(web)
-            shared = [c for c in curves if c.carrier == crossing.carrier and {web.index, flange.index} <= set(c.uses)]
+            on_carrier = by_carrier.get(crossing.carrier, [])
+            shared = [curve for curve in on_carrier if {web.index, flange.index} <= set(curve.uses)]
             if not shared:
                 continue
             ends = np.linspace(shared[0].start, shared[0].end, 7)[1:-1]
