@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from app.report.scenes import Body, beam_shapes, fans, outer_faces, rims
+from app.report.scenes import Body, beam_shapes, blocks_by_segment, fans, outer_faces, rims
 from kernel.mesh.elements import ELEMENT_KINDS
 from kernel.mesh.quality import element_quality
 
@@ -28,11 +28,13 @@ def quality_bodies(model: Model) -> list[Body]:
     """For each segment a body for each tenth of the scaled Jacobian that occurs: `s1 0.9` holds 0.9 to 1."""
     nodes = model.mesh.nodes
     bodies = []
-    for name in dict.fromkeys(prop.segment for prop in model.properties):
-        triangles, lines = beam_shapes(model, name)
+    by_segment = blocks_by_segment(model)
+    sections = {prop.segment: prop.section for prop in model.properties}
+    for name in sections:
+        triangles, lines = beam_shapes(nodes, by_segment.get(name, []), sections[name])
         if len(triangles) > 1:
             bodies.append(Body(name, BEAM_COLOUR, np.concatenate(triangles), np.concatenate(lines)))
-        blocks = [b for b in model.mesh.blocks if b.segment == name and ELEMENT_KINDS[b.kind].dimension > 1]
+        blocks = [block for block in by_segment.get(name, []) if ELEMENT_KINDS[block.kind].dimension > 1]
         if not blocks:
             continue
         values = np.concatenate([element_quality(block, nodes)["scaled_jacobian"] for block in blocks])

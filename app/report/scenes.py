@@ -57,22 +57,32 @@ def mesh_bodies(model: Model) -> list[Body]:
     """Every segment's elements: shells' and solids' outer faces with their edges, beams as their extruded sections."""
     nodes = model.mesh.nodes
     bodies = []
+    blocks = blocks_by_segment(model)
+    sections = {prop.segment: prop.section for prop in model.properties}
     for name, colour in segment_colours([prop.segment for prop in model.properties]).items():
-        triangles, lines = beam_shapes(model, name)
-        for loop, _ in outer_faces([block for block in model.mesh.blocks if block.segment == name]):
+        triangles, lines = beam_shapes(nodes, blocks.get(name, []), sections[name])
+        for loop, _ in outer_faces(blocks.get(name, [])):
             triangles.append(fans(nodes, loop))
             lines.append(rims(nodes, loop))
         bodies.append(Body(name, colour, np.concatenate(triangles), np.concatenate(lines)))
     return bodies
 
 
-def beam_shapes(model: Model, segment: str) -> tuple[list[NDArray[np.float64]], list[NDArray[np.float64]]]:
-    """Triangles and lines of the segment's line elements with their extruded section; none for other segments."""
-    nodes = model.mesh.nodes
-    section = next((prop.section for prop in model.properties if prop.segment == segment), None)
-    triangles, lines = [np.empty((0, 3, 3))], [np.empty((0, 2, 3))]
+def blocks_by_segment(model: Model) -> dict[str, list[ElementBlock]]:
+    """The blocks of each segment, in their order."""
+    found: dict[str, list[ElementBlock]] = {}
     for block in model.mesh.blocks:
-        if block.segment == segment and ELEMENT_KINDS[block.kind].dimension == 1:
+        found.setdefault(block.segment, []).append(block)
+    return found
+
+
+def beam_shapes(
+    nodes: NDArray[np.float64], blocks: list[ElementBlock], section: SectionProperties | None
+) -> tuple[list[NDArray[np.float64]], list[NDArray[np.float64]]]:
+    """Triangles (n, 3, 3) and lines (n, 2, 3) of the line elements among a segment's blocks, section extruded."""
+    triangles, lines = [np.empty((0, 3, 3))], [np.empty((0, 2, 3))]
+    for block in blocks:
+        if ELEMENT_KINDS[block.kind].dimension == 1:
             if section is not None and block.orientation is not None:
                 beam_triangles, beam_lines = _beam(nodes, block, section)
                 triangles.append(beam_triangles)
