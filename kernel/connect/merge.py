@@ -142,7 +142,11 @@ def _renumbered(mesh: Mesh, numbers: Indices) -> Mesh:
 
 def _ties(mesh: Mesh, reach: float, segments: Sequence[str], bound: Collection[int]) -> tuple[Tie, ...]:
     """For each two segments, the side with more hanging nodes follows the other."""
-    parts = {name: part for name in segments if (part := _part(mesh, name, reach)) is not None}
+    blocks: dict[str, list[ElementBlock]] = {name: [] for name in segments}
+    for block in mesh.blocks:
+        if block.segment in blocks and ELEMENT_KINDS[block.kind].dimension < 3:
+            blocks[block.segment].append(block)
+    parts = {name: part for name, own in blocks.items() if (part := _part(mesh, own, reach)) is not None}
     names = list(parts)
     low, high = (np.array([parts[name].box[k] for name in names]).reshape(-1, 3) for k in (0, 1))
     ties = []
@@ -171,9 +175,8 @@ class _Part:
     boxes: tuple[Array, ...]
 
 
-def _part(mesh: Mesh, segment: str, reach: float) -> _Part | None:
-    """None for solids: their nodes have no rotations to follow with."""
-    blocks = [b for b in mesh.blocks if b.segment == segment and ELEMENT_KINDS[b.kind].dimension < 3]
+def _part(mesh: Mesh, blocks: Sequence[ElementBlock], reach: float) -> _Part | None:
+    """Of a segment's blocks of beams and shells; None for solids: their nodes have no rotations to follow with."""
     rows = [block.connectivity.ravel() for block in blocks if block.connectivity.size]
     if not rows:
         return None

@@ -29,7 +29,7 @@ SHOWN = 6
 
 def wanted_apart(joints: Sequence[Joint], apart: Collection[str]) -> frozenset[str]:
     """Ids of the joints to be meshed apart, checked. OptionError: there is no such joint."""
-    known = [joint.id for joint in joints]
+    known = dict.fromkeys(joint.id for joint in joints)
     for name in sorted(apart):
         if name not in known:
             raise OptionError(f"no joint {name!r} in the model, expected one of {', '.join(known) or 'none'}")
