@@ -235,8 +235,7 @@ def _seated(parts: Parts, curve: Curve) -> frozenset[str]:
     for name, seats in parts.seats.items():
         for seat in seats:
             if seat.carrier == curve.carrier and seat.wall.index in curve.uses:
-                offset = float(point @ parts.beams[name].direction)
-                if seat.start <= parts.beams[name].offset_of(offset * parts.beams[name].direction) <= seat.end:
+                if seat.start <= float(point @ parts.beams[name].direction) <= seat.end:
                     found.add(name)
     return frozenset(found)
 

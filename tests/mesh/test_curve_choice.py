@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from assembling import WHOLE, assembled, audit
+from assembling import WHOLE, assembled, audit, cube, union
 
 from kernel.errors import OptionError
 
@@ -221,3 +221,17 @@ def test_an_edge_that_a_joint_only_points_at_is_one_curve():
     on_it = np.abs(nodes[:, 0] - 160) < 1e-6
     assert on_it.sum() == 23
     assert np.allclose(np.diff(np.sort(nodes[on_it, 1])), 100 / 22)
+
+
+def test_seeds_of_one_stiffener_are_not_those_of_another_in_line_with_it():
+    text = union(cube(300, 100, 6), cube(120, 6, 6, (10, 47, 6)), cube(120, 6, 6, (170, 47, 6)))
+    pinned = {"1": "beam", "2": "beam"}
+
+    def elements(**seeds):
+        assembly, _ = assembled(text, pinned, size=30, **seeds)
+        return {block.segment: len(block.connectivity) for block in assembly.mesh.blocks if block.kind == "line2"}
+
+    usual = elements()
+    assert usual["s2"] != 10
+    assert elements(seeds={"s2&s1": 10}) == {**usual, "s2": 10}
+    assert elements(seeds={"s3&s1": 10}) == {**usual, "s3": 10}
