@@ -171,4 +171,5 @@ def mesh(
     for warning in (*(f"check failed: {failure}" for failure in meshed.checks.failures), *meshed.warnings):
         sys.stderr.write(f"warning: {warning}\n")
     seconds = time.perf_counter() - start
-    texts.show(answer.model_dump_json(indent=1) if as_json else texts.mesh_text(answer, output, seconds))
+    segments = [each.segment for each in meshed.model.properties]
+    texts.show(answer.model_dump_json(indent=1) if as_json else texts.mesh_text(answer, output, segments, seconds))

@@ -130,12 +130,13 @@ def explanation_text(classified: Classified, node: str | None) -> str:
     return "\n".join(lines)
 
 
-def mesh_text(answer: MeshAnswer, deck: str, seconds: float) -> str:
-    """What was meshed, and the checks; seconds: of the whole command."""
+def mesh_text(answer: MeshAnswer, deck: str, meshed: Sequence[str], seconds: float) -> str:
+    """What was meshed, and the checks; meshed: segments that have elements; seconds: of the whole command."""
+    of_all = "" if len(meshed) == len(answer.segments) else f" ({' '.join(meshed)}) of {len(answer.segments)}"
     elements = ", ".join(f"{count} {kind}" for kind, count in answer.elements.items())
     couplings = ", ".join(f"{count} {kind}" for kind, count in answer.couplings.items()) or "none"
     lines = [
-        f"{deck}: {plural(answer.nodes, 'node')}, {elements}, in {plural(len(answer.segments), 'segment')}",
+        f"{deck}: {plural(answer.nodes, 'node')}, {elements}, in {plural(len(meshed), 'segment')}{of_all}",
         size_text(answer),
         *brick_lines(answer.bricks),
         f"couplings: {couplings}; components: {answer.components}",

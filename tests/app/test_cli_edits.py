@@ -37,6 +37,13 @@ def decks(tmp_path_factory):
     return folder
 
 
+def test_what_is_meshed_alone_is_told(csgmesh):
+    status, out, _ = csgmesh("mesh", BRACKET, "-o", "wall.json", "--only", "s1", "--size", "30")
+    assert status == 0 and out.splitlines()[0].endswith("in 1 segment (s1) of 3")
+    status, out, _ = csgmesh("mesh", BRACKET, "-o", "all.json", "--size", "30")
+    assert status == 0 and out.splitlines()[0].endswith("in 3 segments")
+
+
 def test_the_sequence_of_the_thesis(csgmesh, decks):
     status, out, err = csgmesh("merge", str(decks / "wall.json"), str(decks / "base.json"), "-o", "both.json")
     assert (status, err) == (0, "warning: the model is in 2 parts that do not touch: s1 | s3\n")
