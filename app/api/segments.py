@@ -21,7 +21,9 @@ RulebaseQuery = Annotated[
     Query(examples=["base"], description="`base` (the own one), `name` or `name@version`; default: the active one"),
 ]
 
-GapQuery = Annotated[float, Query(ge=0, description="faces no further apart than this count as touching")]
+GapQuery = Annotated[
+    float, Query(ge=0, examples=[0.1], description="faces no further apart than this count as touching")
+]
 
 SEGMENTS_EXAMPLE = {
     "model": "bracket.csg", "units": "mm", "volume": 81234.5, "rule_base": "base 3f2a9c", "segments": [{

@@ -61,7 +61,7 @@ def by_hand(bracket, sizes):
     return edited
 
 
-@pytest.mark.parametrize("sizes, within", [((8, 8, 8), 0.002), ((9, 6, 7), 0.01)])
+@pytest.mark.parametrize("sizes, within", [((8, 8, 8), 0.005), ((9, 6, 7), 0.01)])
 def test_plates_meshed_apart_merged_and_connected_bend_as_those_on_shared_curves(bracket, shared, sizes, within):
     assert sag(by_hand(bracket, sizes).model) == pytest.approx(shared, rel=within)
 
