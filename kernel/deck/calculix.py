@@ -134,8 +134,8 @@ def _notes_on_beams(model: Model, parts: Sequence[Group]) -> Iterator[str]:
             stiffer = max(stiffer, shear * (1 - area / section.area) / tip)
         if stiffer > WORTH_A_NOTE:
             yield (
-                f"note: {part.element.segment} is {stiffer:.1%} too stiff as a cantilever, for ccx shears beams over "
-                "their whole area: plates or bricks are better"
+                f"note: ccx shears beams over their whole area, which alone makes {part.element.segment} {stiffer:.1%} "
+                "too stiff as a cantilever: plates or bricks are better"
             )
 
 
