@@ -25,7 +25,7 @@ from kernel.mesh.elements import ELEMENT_KINDS, SECOND_ORDER
 from kernel.mesh.mesh import ElementBlock
 from kernel.mesh.planar import mesh_region
 from kernel.mesh.quality import element_quality
-from kernel.mesh.region import Region, RegionMesh
+from kernel.mesh.region import Region, RegionError, RegionMesh
 from kernel.places import place_text
 
 Array = NDArray[np.float64]
@@ -134,6 +134,9 @@ def insert_in_patch(
         for faces in ("tri",) if cavity.is_triangles else ("mixed", "quad"):
             try:
                 found = _meshed(work, cavity, fitted, node, faces, split)
+            except RegionError as error:
+                complaint = error.told(place_text(fitted.lift(error.at[None])[0]))
+                continue
             except MeshError as error:
                 complaint = error.message
                 continue

@@ -256,7 +256,7 @@ def _mesh_faces(
         label = f"{name} ({wall.segment.node})"
         region, numbers = face_region(wall.index, wall.sheet, by_face[wall.index], nodes.points)
         rate = growth if layers is None or name not in hosting else min(growth or GROWTH, 1 / layers)
-        tasks.append(FaceTask(label, wall.sheet, region, numbers, sizes[name], kind, rate))
+        tasks.append(FaceTask(label, wall.sheet, region, numbers, sizes[name], kind, rate, parts.topology.frame))
     faces = {}
     meshes = zip(parts.walls.items(), tasks, mesh_all(tasks))
     for number, ((name, wall), task, mesh) in enumerate(meshes, start=1):

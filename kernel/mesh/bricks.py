@@ -24,9 +24,9 @@ from kernel.mesh.nodes import NodeTable
 from kernel.mesh.options import MeshOptions
 from kernel.mesh.region import RegionMesh
 from kernel.mesh.revolve import mesh_revolved
-from kernel.mesh.section import CHORD_LOSS, UnfitSection, mesh_section
+from kernel.mesh.section import CHORD_LOSS, mesh_section
 from kernel.mesh.seeding import SeedRules, growth_rate
-from kernel.mesh.sweep import LevelWish, divide_levels, sweep
+from kernel.mesh.sweep import LevelWish, UnfitSweep, divide_levels, sweep
 from kernel.places import place_text
 from kernel.segment.segments import Segment
 
@@ -75,17 +75,15 @@ def mesh_bricks(
     for number, group in enumerate(parts.sweeps):
         size = min(sizes[brick.segment.id] for brick in group.bricks)
         rules = SeedRules(chosen.sections.get(number, {}), growth, options.per_circle, options.layers)
+        wishes = level_wishes(group, chosen.rises.get(number, {}), options.layers)
         try:
             section = _section_of(parts, group, curves, faces, size, options.faces, rules, loss)
+            meshes.update(_sweep_group(group, section, size, wishes, nodes, frame))
         except MeshError as error:
-            place = f" near {place_text(frame @ error.at)}" if isinstance(error, UnfitSection) else ""
-            why.update({brick.segment.id: error.message + place for brick in group.bricks})
+            why.update(dict.fromkeys((brick.segment.id for brick in group.bricks), _told(error, frame)))
             if number in chosen.sections or number in chosen.rises:
                 names = ", ".join(brick.segment.id for brick in group.bricks)
                 parts.warnings.append(f"{names}: what is asked of its curves does not hold for tetrahedra")
-            continue
-        wishes = level_wishes(group, chosen.rises.get(number, {}), options.layers)
-        meshes.update(_sweep_group(group, section, size, wishes, nodes, frame))
     for name, segment in parts.segments.items():
         is_left_out = name in parts.absorbed or (parts.only is not None and name not in parts.only)
         if segment.type == "brick" and name not in meshes and not is_left_out:
@@ -107,6 +105,11 @@ def mesh_bricks(
             report(f"{name} tetrahedra", 0.8)
             meshes[name] = _tetrahedra(segment, size, options.deadline, nodes, f"tetrahedra: {reason}")
     return meshes
+
+
+def _told(error: MeshError, frame: Array) -> str:
+    """What is wrong, and where that is known. frame: see mesh_bricks."""
+    return f"{error.message} near {place_text(frame @ error.at)}" if isinstance(error, UnfitSweep) else error.message
 
 
 # ---------------------------------------------------------------- sections
@@ -173,8 +176,15 @@ def _sweep_group(
     nodes: NodeTable,
     frame: Array,
 ) -> dict[str, BrickMesh]:
-    """The bricks of a group; where they stand on one another they share nodes."""
+    """The bricks of a group; where they stand on one another they share nodes.
+
+    UnfitSweep: a piece of one holds no element, or an element would be flat or inverted; no node is added then.
+    """
     pieces = [piece for brick in group.bricks for piece in brick.pieces]
+
+    def lift(flat: Array, level: float) -> Array:
+        return group.sheet.lift(flat) + group.sheet.normal * (level - group.sheet.offset)
+
     levels = divide_levels([value for piece in pieces for value in (piece.start, piece.end)], size, wishes)
     mesh = section.mesh
     elements = [*mesh.quads, *mesh.triangles]
@@ -185,14 +195,13 @@ def _sweep_group(
         for piece in brick.pieces:
             inside = shapely.contains(piece.outline, section.inner)
             if not inside.any():
-                raise MeshError(f"{brick.segment.id} ({brick.segment.node}): its section holds no element")
+                said = (
+                    f"a piece of {brick.segment.id} ({brick.segment.node}) is too narrow for an element of the section"
+                )
+                raise UnfitSweep(said, lift(_inner_point(piece.outline), 0.5 * (piece.start + piece.end))[0])
             own |= ((layer > piece.start) & (layer < piece.end))[:, None] & inside[None, :]
         held[brick.segment.id] = own
     present = np.logical_or.reduce(list(held.values()))
-
-    def lift(flat: Array, level: float) -> Array:
-        return group.sheet.lift(flat) + group.sheet.normal * (level - group.sheet.offset)
-
     points, hexes, wedges = sweep(mesh, lift, levels, present=present)
     numbers = nodes.add(points)
     at = np.full((len(levels), len(mesh.points)), -1, dtype=np.int64)
@@ -216,6 +225,12 @@ def _sweep_group(
         how = swept_text(group, brick, [block.kind for block in blocks], int(chosen.any(axis=1).sum()), frame)
         meshes[brick.segment.id] = BrickMesh(tuple(blocks), pairs, edges, middles, how)
     return meshes
+
+
+def _inner_point(outline: shapely.Geometry) -> Array:
+    """A point (1, 2) within an outline."""
+    point: Array = shapely.get_coordinates(outline.representative_point())
+    return point
 
 
 def _used(present: NDArray[np.bool_], elements: Sequence[Indices], shape: tuple[int, int]) -> NDArray[np.bool_]:
@@ -266,7 +281,7 @@ def _turned(
             return None
         body = mesh_revolved(brick, size, options.faces, options.order, rules)
     except MeshError as error:
-        parts.warnings.append(f"{segment.id} ({segment.node}) is not turned about its axis: {error.message}")
+        parts.warnings.append(f"{segment.id} ({segment.node}) is not turned about its axis: {_told(error, frame)}")
         return None
     numbers = nodes.add(body.nodes)
     blocks = [

@@ -7,8 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from kernel.errors import MeshError
-from kernel.mesh.region import Region
+from kernel.mesh.region import Region, RegionError
 from kernel.numeric.triangulation import triangulate
 
 
@@ -58,25 +57,22 @@ class Triangulation:
 def constrained(nodes: NDArray[np.float64], n_point: int, edges: Edges, n_spare: int) -> Triangulation:
     """Triangulate nodes, of which the first n_point are the region's; n_spare: room for nodes to come.
 
-    MeshError, with the place, where two points coincide, edges cross or touch, or a point lies outside.
+    RegionError, with the place, where two points coincide, edges cross or touch, or a point lies outside.
     """
     *arrays, double_of, failed = triangulate(nodes, n_point, *edges.arrays, n_spare)
     doubles = np.flatnonzero(double_of[:n_point] >= 0)
     if len(doubles):
-        raise MeshError(f"two points of the region coincide at {_place(nodes[doubles[0]])}")
+        raise RegionError("two points of the region coincide at {}", nodes[doubles[0]])
     lost = np.flatnonzero(failed)
     if len(lost):
         middle = 0.5 * (nodes[edges.start[lost[0]]] + nodes[edges.end[lost[0]]])
-        raise MeshError(f"an edge of the region meets another edge or point near {_place(middle)}")
+        raise RegionError("an edge of the region meets another edge or point near {}", middle)
     triangulation = Triangulation(*arrays)
     outside = np.flatnonzero(triangulation.leaving[:n_point] < 0)
     if len(outside):
-        raise MeshError(
-            f"the point {_place(nodes[outside[0]])} of the region is not inside it; "
-            "boundary edges should run in closed rings with the region on their left"
+        raise RegionError(
+            "the point {} of the region is not inside it; boundary edges should run in closed rings with the region on "
+            "their left",
+            nodes[outside[0]],
         )
     return triangulation
-
-
-def _place(point: NDArray[np.float64]) -> str:
-    return f"({point[0]:.6g}, {point[1]:.6g})"

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from kernel.errors import MeshError
 from kernel.mesh.period import shortest_way
-from kernel.mesh.region import Region
+from kernel.mesh.region import Region, RegionError
 from kernel.mesh.seam import BOUNDARY, Step, follow_boundary, gap_direction, ring_windings
 from kernel.numeric.inside import inside_rings
 
@@ -77,7 +77,7 @@ def _seam_points(region: Region, seam: list[Step]) -> dict[int, _SeamPoint]:
 def cut_open(region: Region, seam: list[Step]) -> CutRegion:
     """Cut along the seam's edges (imprints of the region, or steps along a hole's boundary, which need no cut).
 
-    Without a seam the region does not close round the cylinder and is only unrolled. MeshError where a piece of it
+    Without a seam the region does not close round the cylinder and is only unrolled. RegionError where a piece of it
     lies outside.
     """
     assert region.period is not None
@@ -178,7 +178,6 @@ def _place_islands(
         tries = np.column_stack([region.points[v, 0] + turns * region.period, np.full(len(turns), region.points[v, 1])])
         is_inside = inside_rings(tries, from_x, from_y, to_x, to_y)
         if not is_inside.any():
-            x, y = region.points[v]
-            raise MeshError(f"point ({x:.6g}, {y:.6g}) lies outside the region on the cylinder")
+            raise RegionError("point {} lies outside the region on the cylinder", region.points[v])
         place[v] = tries[int(is_inside.argmax())]
         _unroll(place, ends, along, [v])

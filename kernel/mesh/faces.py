@@ -16,7 +16,8 @@ from kernel.idealise.sheets import Sheet
 from kernel.idealise.topology import BOUNDARY, Curve, Topology
 from kernel.mesh.nodes import NodeTable
 from kernel.mesh.planar import GROWTH, enclosed_area, mesh_region
-from kernel.mesh.region import OddCurveError, Region, RegionMesh
+from kernel.mesh.region import OddCurveError, Region, RegionError, RegionMesh
+from kernel.places import place_text
 
 WORTH_THREADS = 20_000
 """Elements, roughly, from which faces are meshed in threads: fewer are done before the threads have started."""
@@ -95,7 +96,8 @@ def face_region(face: int, sheet: Sheet, curves: Sequence[SeededCurve], points: 
 class FaceTask:
     """A face to be meshed. name: of the segment, for errors. numbers: of the region's points in the node table.
 
-    kind: "quad" or "tri". growth: of the size per unit of length, None for the usual.
+    kind: "quad" or "tri". growth: of the size per unit of length, None for the usual. frame: (3, 3), user's point =
+    frame @ working point, for errors.
     """
 
     name: str
@@ -105,10 +107,11 @@ class FaceTask:
     size: float
     kind: str
     growth: float | None
+    frame: Array
 
     def mesh(self) -> RegionMesh:
         """In the sheet's plane. Where the user asked for an odd number of seeds quads alone are not possible: then
-        quads with few triangles.
+        quads with few triangles. MeshError, with the segment and the place in space.
         """
         rate = GROWTH if self.growth is None else self.growth
         try:
@@ -116,6 +119,9 @@ class FaceTask:
                 return mesh_region(self.region, self.size, self.kind, rate)
             except OddCurveError:
                 return mesh_region(self.region, self.size, "mixed", rate)
+        except RegionError as error:
+            place = place_text(self.frame @ self.sheet.lift(error.at[None])[0])
+            raise MeshError(f"{self.name}: {error.told(place)}") from error
         except MeshError as error:
             raise MeshError(f"{self.name}: {error.message}") from error
 
@@ -152,10 +158,11 @@ def mesh_face(
     size: float,
     kind: str,
     nodes: NodeTable,
+    frame: Array,
     growth: float | None = None,
 ) -> FaceMesh:
-    """Mesh one face and add its inner nodes. name, kind, growth: see FaceTask."""
-    task = FaceTask(name, sheet, *face_region(face, sheet, curves, nodes.points), size, kind, growth)
+    """Mesh one face and add its inner nodes. name, kind, growth, frame: see FaceTask."""
+    task = FaceTask(name, sheet, *face_region(face, sheet, curves, nodes.points), size, kind, growth, frame)
     return task.lay(task.mesh(), nodes)
 
 

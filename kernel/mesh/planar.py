@@ -9,7 +9,7 @@ import numpy as np
 
 from kernel.errors import MeshError
 from kernel.mesh.period import shortest_way
-from kernel.mesh.region import Region, RegionMesh
+from kernel.mesh.region import Region, RegionError, RegionMesh
 from kernel.mesh.region_cells import cells_of_region, joined
 
 FACES = ("quad", "tri", "mixed")
@@ -29,7 +29,7 @@ def mesh_region(region: Region, size: float, faces: str = "quad", growth: float 
     growth: elements are as long as the edges beside them; from shorter edges they grow, from longer ones they shrink to
     `size`, by this much per unit of distance.
     The first n_point nodes of the result are the region's points; every edge of the region is an edge of the mesh;
-    no element is inverted and no quad under a scaled Jacobian of 0.2. MeshError, with the place, where the region
+    no element is inverted and no quad under a scaled Jacobian of 0.2. RegionError, with the place, where the region
     cannot be meshed: a boundary that is no ring, points or edges that meet where they should not, an odd curve.
     """
     _check(region, size, faces, growth)
@@ -70,7 +70,7 @@ def _general_mesh(region: Region, size: float, faces: str, growth: float) -> Reg
 
 
 def _check_elements(mesh: RegionMesh, period: float | None) -> None:
-    """MeshError, with the place, where an element has no area or runs clockwise: none ever leaves."""
+    """RegionError, with the place, where an element has no area or runs clockwise: none ever leaves."""
     from kernel.numeric.areas import least_area
 
     for elements in (mesh.quads, mesh.triangles):
@@ -78,8 +78,8 @@ def _check_elements(mesh: RegionMesh, period: float | None) -> None:
             continue
         worst, area = least_area(mesh.points, elements, float(period or 0.0))
         if not area > 0:
-            x, y = mesh.points[elements[worst]].mean(axis=0)
-            raise MeshError(f"curves lie so near to each other that an element would be flat near ({x:.6g}, {y:.6g})")
+            middle = mesh.points[elements[worst]].mean(axis=0)
+            raise RegionError("curves lie so near to each other that an element would be flat near {}", middle)
 
 
 def _check(region: Region, size: float, faces: str, growth: float) -> None:
@@ -94,8 +94,8 @@ def _check(region: Region, size: float, faces: str, growth: float) -> None:
     if len(region.edges) == 0 or not region.is_boundary.any():
         raise MeshError("the region has no boundary")
     if not np.isfinite(region.points).all():
-        x, y = region.points[np.flatnonzero(~np.isfinite(region.points).all(axis=1))[0]]
-        raise MeshError(f"the region has a point at ({x}, {y})")
+        bad = region.points[np.flatnonzero(~np.isfinite(region.points).all(axis=1))[0]]
+        raise RegionError("the region has a point at {}", bad)
     if region.edges.min() < 0 or region.edges.max() >= n_point:
         raise MeshError(
             f"the region's edges name points from {region.edges.min()} to {region.edges.max()} of {n_point}"
@@ -108,8 +108,7 @@ def _check(region: Region, size: float, faces: str, growth: float) -> None:
         raise MeshError(f"a region meshed at size {size:.6g} would take some {wanted:.2g} elements")
     open_points = np.flatnonzero(leaving != arriving)
     if len(open_points):
-        x, y = region.points[open_points[0]]
-        raise MeshError(f"the region's boundary is not closed at ({x:.6g}, {y:.6g})")
+        raise RegionError("the region's boundary is not closed at {}", region.points[open_points[0]])
 
 
 def enclosed_area(region: Region) -> float:

@@ -42,9 +42,9 @@ def coarse_edges(
     given = np.zeros(len(points), np.uint8) if is_vertex is None else is_vertex.astype(np.uint8)
     coarse, odd = pair_edges(points, *edges.arrays, given, *cross[:2])
     if odd >= 0:
-        x, y = points[edges.start[odd]]
         raise OddCurveError(
-            f"the curve through ({x:.6g}, {y:.6g}) is divided into an odd number of edges; all quads need an even one"
+            "the curve through {} is divided into an odd number of edges; all quads need an even one",
+            points[edges.start[odd]],
         )
     return coarse
 

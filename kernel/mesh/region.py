@@ -10,7 +10,26 @@ from numpy.typing import NDArray
 from kernel.errors import MeshError
 
 
-class OddCurveError(MeshError):
+class RegionError(MeshError):
+    """A place of a region at which it cannot be meshed.
+
+    said: the message, with {} where it names the place. at: (2,) the place, in the region's coordinates. By itself the
+    message gives those; whoever knows the sheet tells the place in space, with `told`.
+    """
+
+    def __init__(self, said: str, at: NDArray[np.float64]) -> None:
+        x, y = at
+        super().__init__(said.format(f"({x:.6g}, {y:.6g})"))
+        self.args = (said, at)  # what pickle makes it from again
+        self.said = said
+        self.at = at
+
+    def told(self, place: str) -> str:
+        """The message with the place as the caller names it."""
+        return self.said.format(place)
+
+
+class OddCurveError(RegionError):
     """A chain of curves has an odd number of edges, on which no all-quad mesh can be made."""
 
 

@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 
 from kernel.errors import MeshError
 from kernel.mesh.period import shortest_way
-from kernel.mesh.region import Region
+from kernel.mesh.region import Region, RegionError
 from kernel.numeric.clearance import clearance2
 from kernel.numeric.triangulation import triangulate
 
@@ -51,7 +51,7 @@ class Step:
 
 
 def follow_boundary(region: Region) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """The boundary point after and before each point, (n_point,) with -1 off the boundary; MeshError if not rings."""
+    """The boundary point after and before each point, (n_point,) with -1 off the boundary; RegionError if not rings."""
     n_point = len(region.points)
     after = np.full(n_point, -1, np.int64)
     before = np.full(n_point, -1, np.int64)
@@ -62,8 +62,7 @@ def follow_boundary(region: Region) -> tuple[NDArray[np.int64], NDArray[np.int64
     arriving = np.bincount(boundary[:, 1], minlength=n_point)
     bad = np.flatnonzero((leaving != arriving) | (leaving > 1))
     if len(bad):
-        x, y = region.points[bad[0]]
-        raise MeshError(f"the region's boundary is not a simple ring at ({x:.6g}, {y:.6g})")
+        raise RegionError("the region's boundary is not a simple ring at {}", region.points[bad[0]])
     return after, before
 
 
@@ -277,5 +276,4 @@ def _cheapest_path(
             if way.end not in reached or total < reached[way.end][0] - 1e-12 * size:
                 reached[way.end] = (total, way)
                 heapq.heappush(heap, (total, way.end))
-    x, y = region.points[bottom[0]]
-    raise MeshError(f"no seam joins the two ends of the region on the cylinder, from ({x:.6g}, {y:.6g})")
+    raise RegionError("no seam joins the two ends of the region on the cylinder, from {}", region.points[bottom[0]])

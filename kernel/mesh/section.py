@@ -23,7 +23,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from kernel.errors import MeshError
 from kernel.idealise.brick import OwnSection
 from kernel.idealise.carriers import Circle
 from kernel.idealise.sheets import PlaneSheet
@@ -34,6 +33,7 @@ from kernel.mesh.nodes import NodeTable
 from kernel.mesh.quality import scaled_jacobian
 from kernel.mesh.region import RegionMesh
 from kernel.mesh.seeding import SeedRules, seed_curves
+from kernel.mesh.sweep import UnfitSweep
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
@@ -58,14 +58,6 @@ near to each other that the elements between them are of another scale than the 
 
 SAME_ANGLE = 1e-6
 """Angles, in radians, and turns that differ by less are the same."""
-
-
-class UnfitSection(MeshError):
-    """A section that is better not swept. at: (3,) where, on the section's sheet."""
-
-    def __init__(self, message: str, at: Array) -> None:
-        super().__init__(message)
-        self.at = at
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -97,7 +89,7 @@ def mesh_section(
     rules: what the user asks beyond that, wishes by the place in the section's list of curves. chord_loss: share of the
     area of each outline that chords of its circles may cut off, None for elements that follow the circles.
 
-    MeshError: a cell cannot be meshed; UnfitSection: it can, but badly.
+    MeshError: a cell cannot be meshed; UnfitSweep: it can, but badly.
     """
     nodes = NodeTable()  # the section's own: they stay out of the model
     rules = rules or SeedRules()
@@ -111,7 +103,7 @@ def mesh_section(
     for cell in range(len(section.cells)):
         own = by_cell.get(cell, [])
         across = size if rules.layers is None else min(size, _layer_size(cell, own, widths, rules.layers, nodes.points))
-        meshes.append(_best_of_cell(name, cell, sheet, own, across, faces, nodes, growth))
+        meshes.append(_best_of_cell(name, cell, sheet, own, across, faces, nodes, growth, section.topology.frame))
     notes = odd_seeds_note(name, curves, faces, sum(len(mesh.triangles) for mesh in meshes), "columns of wedges")
     meshed = _joined(meshes, sheet, nodes.points, curve_middles(section.topology, curves), notes)
     asked = sum(cell.polygon.area for cell in section.cells) / size**2
@@ -129,11 +121,12 @@ def _best_of_cell(
     faces: str,
     nodes: NodeTable,
     growth: float | None,
+    frame: Array,
 ) -> FaceMesh:
     """The cell meshed; where an element is poor, again at sizes a little off, and the best of these."""
     best: tuple[float, FaceMesh] | None = None
     for share in OTHER_SIZES:
-        mesh = mesh_face(name, cell, sheet, curves, share * size, faces, nodes, growth)
+        mesh = mesh_face(name, cell, sheet, curves, share * size, faces, nodes, frame, growth)
         worst = _worst(mesh, nodes.points)
         if best is None or worst > best[0]:
             best = worst, mesh
@@ -174,12 +167,12 @@ def _layer_size(
 
 
 def _refuse_unfit(mesh: RegionMesh, sheet: PlaneSheet, size: float, asked: float) -> None:
-    """UnfitSection where elements are bad, or many more than the size asks for. asked: infinite for as many as come."""
+    """UnfitSweep where elements are bad, or many more than the size asks for. asked: infinite for as many as come."""
     elements = [*mesh.quads, *mesh.triangles]
     if len(elements) > MOST_EXCESS * (asked + 100):
         areas = [np.abs(_doubled_area(mesh.points[element])) for element in elements]
         place = mesh.points[elements[int(np.argmin(areas))]].mean(axis=0)
-        raise UnfitSection(
+        raise UnfitSweep(
             f"its section would take {len(elements)} elements of size {size:g} instead of some {asked:.0f}: curves of "
             "it run side by side",
             sheet.lift(place[None])[0],
@@ -190,7 +183,7 @@ def _refuse_unfit(mesh: RegionMesh, sheet: PlaneSheet, size: float, asked: float
             worst = int(np.argmin(quality))
             if quality[worst] < LEAST_QUALITY:
                 said = f"its section has an element of scaled Jacobian {quality[worst]:.2g}: curves of it nearly touch"
-                raise UnfitSection(said, sheet.lift(mesh.points[block[worst]].mean(axis=0)[None])[0])
+                raise UnfitSweep(said, sheet.lift(mesh.points[block[worst]].mean(axis=0)[None])[0])
 
 
 def _doubled_area(points: Array) -> float:

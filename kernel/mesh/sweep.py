@@ -19,6 +19,16 @@ from kernel.errors import MeshError, OptionError
 from kernel.mesh.region import RegionMesh
 from kernel.mesh.shares import shared_out
 
+
+class UnfitSweep(MeshError):
+    """A section that is better not swept. at: (3,) where, in the working frame: whoever catches it tells the place."""
+
+    def __init__(self, message: str, at: NDArray[np.float64]) -> None:
+        super().__init__(message)
+        self.args = (message, at)  # what pickle makes it from again
+        self.at = at
+
+
 Lift = Callable[[NDArray[np.float64], float], NDArray[np.float64]]
 """(points (n, 2), level) -> places (n, 3)."""
 
@@ -46,7 +56,7 @@ def sweep(
     some out. present: (n_level - 1, n_quad + n_triangle) False where a layer lacks an element of the section, as when
     stacked bodies share layers; nodes that nothing uses are then dropped, the others keep their order.
     is_closed: the last layer runs from the last level back to the first, without nodes of its own (full turns).
-    MeshError: an element would be flat or inverted.
+    UnfitSweep: an element would be flat or inverted.
     """
     levels = np.asarray(levels, dtype=np.float64)
     n_layer = len(levels) if is_closed else len(levels) - 1
@@ -177,11 +187,10 @@ def _corner_volumes(nodes: NDArray[np.float64], elements: NDArray[np.int64]) -> 
 def _refuse_folded(
     kind: str, nodes: NDArray[np.float64], elements: NDArray[np.int64], least: NDArray[np.float64]
 ) -> None:
-    """MeshError where an element's least volume at a corner is not positive."""
+    """UnfitSweep where an element's least volume at a corner is not positive."""
     bad = np.flatnonzero(~(least > 0.0))
     if len(bad):
-        x, y, z = nodes[elements[bad[0]]].mean(axis=0)
-        raise MeshError(
-            f"{len(bad)} of {len(elements)} swept {kind} elements are flat or inverted, the first at "
-            f"({x:g}, {y:g}, {z:g}); expected a section without folds and levels apart from one another"
+        raise UnfitSweep(
+            f"{len(bad)} of {len(elements)} swept {kind} elements would be flat or inverted",
+            nodes[elements[bad[0]]].mean(axis=0),
         )

@@ -10,8 +10,13 @@ from assembling import assembled, cube, union
 from planar_regions import hole, rectangle, region
 
 from kernel.errors import MeshError
+from kernel.idealise.sheets import PlaneSheet
 from kernel.mesh import faces
 from kernel.mesh.region import Region, RegionMesh
+from kernel.solid.surfaces import Plane
+
+EAST, NORTH, UP = np.eye(3)
+GROUND = PlaneSheet(0, Plane(UP, 0.0, EAST, NORTH), UP, 0.0, EAST, NORTH)
 
 
 def test_a_box_of_plates_is_the_same_in_threads_byte_for_byte(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -41,7 +46,7 @@ def test_the_error_is_that_of_the_first_face_that_has_one(worth: float, monkeypa
     monkeypatch.setattr(faces.os, "cpu_count", lambda: 2)
 
     def task(name: str, plane: Region) -> faces.FaceTask:
-        return faces.FaceTask(name, None, plane, np.arange(len(plane.points)), 1.0, "tri", None)  # type: ignore[arg-type]
+        return faces.FaceTask(name, GROUND, plane, np.arange(len(plane.points)), 1.0, "tri", None, np.eye(3))
 
     crossing = region([rectangle(10, 10, 1), hole(9.3, 5.1, 2, 1)])
     tasks = [task(f"s{k}", crossing if k in (1, 2) else region([rectangle(10, 10, 1)])) for k in range(4)]
