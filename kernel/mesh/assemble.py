@@ -42,7 +42,7 @@ from kernel.mesh.faces import (
     mesh_all,
     odd_seeds_note,
 )
-from kernel.mesh.layers import host_wishes
+from kernel.mesh.layers import coarser_wishes, host_wishes
 from kernel.mesh.mesh import ElementBlock, Mesh
 from kernel.mesh.meshed import Meshed
 from kernel.mesh.nodes import NodeTable
@@ -110,6 +110,7 @@ def assemble(
     chosen = choose_curves(options, parts, pieces, evaluated)
     growth = None if options.growth is None else growth_rate(options.growth)
     hosted = host_wishes(parts, pieces, sizes, options.layers, evaluated.size) if options.layers else {}
+    parts.warnings += coarser_wishes(parts, pieces, hosted, chosen.walls)
     curves = seed_curves(
         parts.topology,
         pieces,

@@ -17,7 +17,7 @@ from kernel.idealise.walls import Wall
 from kernel.mesh.curve_choice import ChosenCurves
 from kernel.mesh.elements import ELEMENT_KINDS
 from kernel.mesh.faces import CurvesByFace, FaceMesh, curve_middles
-from kernel.mesh.layers import layered_size, level_wishes
+from kernel.mesh.layers import fewer_levels, layered_size, level_wishes
 from kernel.mesh.mesh import ElementBlock
 from kernel.mesh.method import not_a_stack, swept_text, turned_text
 from kernel.mesh.nodes import NodeTable
@@ -26,7 +26,7 @@ from kernel.mesh.region import RegionMesh
 from kernel.mesh.revolve import mesh_revolved
 from kernel.mesh.section import CHORD_LOSS, mesh_section
 from kernel.mesh.seeding import SeedRules, growth_rate
-from kernel.mesh.sweep import LevelWish, UnfitSweep, divide_levels, sweep
+from kernel.mesh.sweep import UnfitSweep, divide_levels, sweep
 from kernel.places import place_text
 from kernel.segment.segments import Segment
 
@@ -78,7 +78,10 @@ def mesh_bricks(
         wishes = level_wishes(group, chosen.rises.get(number, {}), options.layers)
         try:
             section = _section_of(parts, group, curves, faces, size, options.faces, rules, loss)
-            meshes.update(_sweep_group(group, section, size, wishes, nodes, frame))
+            pieces = [piece for brick in group.bricks for piece in brick.pieces]
+            levels = divide_levels([value for piece in pieces for value in (piece.start, piece.end)], size, wishes)
+            meshes.update(_sweep_group(group, section, levels, nodes, frame))
+            parts.warnings += fewer_levels(group, levels, wishes, options.layers, frame)
         except MeshError as error:
             why.update(dict.fromkeys((brick.segment.id for brick in group.bricks), _told(error, frame)))
             if number in chosen.sections or number in chosen.rises:
@@ -171,21 +174,18 @@ def _host_section(parts: Parts, wall: Wall, curves: CurvesByFace, face: FaceMesh
 def _sweep_group(
     group: SweepGroup,
     section: _Section,
-    size: float,
-    wishes: Sequence[LevelWish],
+    levels: Array,
     nodes: NodeTable,
     frame: Array,
 ) -> dict[str, BrickMesh]:
-    """The bricks of a group; where they stand on one another they share nodes.
+    """The bricks of a group through levels (n_level,); where they stand on one another they share nodes.
 
     UnfitSweep: a piece of one holds no element, or an element would be flat or inverted; no node is added then.
     """
-    pieces = [piece for brick in group.bricks for piece in brick.pieces]
 
     def lift(flat: Array, level: float) -> Array:
         return group.sheet.lift(flat) + group.sheet.normal * (level - group.sheet.offset)
 
-    levels = divide_levels([value for piece in pieces for value in (piece.start, piece.end)], size, wishes)
     mesh = section.mesh
     elements = [*mesh.quads, *mesh.triangles]
     layer = 0.5 * (levels[:-1] + levels[1:])

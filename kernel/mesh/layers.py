@@ -13,6 +13,7 @@ from kernel.idealise.brick import SweepGroup
 from kernel.idealise.parts import Parts
 from kernel.idealise.topology import Curve
 from kernel.mesh.curve_items import WALLS, CurveItem, items_of, on_surfaces
+from kernel.mesh.method import axis_text
 from kernel.mesh.seeding import CurveWish, SeedRules
 from kernel.mesh.sweep import LevelWish
 from kernel.mesh.tets import MAX_TETS
@@ -105,6 +106,61 @@ def host_wishes(
                         known = found.get(place)
                         found[place] = CurveWish(size=size if known is None else min(size, known.size or size))
     return found
+
+
+def coarser_wishes(
+    parts: Parts, curves: Sequence[Curve], hosted: Mapping[int, CurveWish], asked: Mapping[int, CurveWish]
+) -> list[str]:
+    """Where what the user asks of a curve is coarser than the layers need, a line for each pair of walls.
+
+    curves: of the walls' topology; hosted, asked: by their place, see host_wishes and choose_curves.
+    """
+    by_index = {wall.index: wall.segment for wall in parts.walls.values()}
+    told: dict[str, str] = {}
+    for place, wish in sorted(asked.items()):
+        needed = hosted[place].size if place in hosted else None
+        own = wish.size or curves[place].length / (wish.count or 1)
+        if needed is None or own <= needed * (1 + SLIVER):
+            continue
+        curve = curves[place]
+        carrier = parts.topology.carrier(curve.carrier)
+        middle = parts.topology.place_text(carrier.at(np.array([0.5 * (curve.start + curve.end)]))[0])
+        names = " and ".join(f"{by_index[face].id} ({by_index[face].node})" for face in sorted(curve.uses))
+        told.setdefault(
+            names,
+            f"{names}: elements of {own:.4g} are asked for along the curve through {middle}, where the layers need "
+            f"{needed:.4g}: the brick that stands on it may have fewer",
+        )
+    return list(told.values())
+
+
+def fewer_levels(
+    group: SweepGroup, levels: Array, wishes: Sequence[LevelWish], layers: int | None, frame: Array
+) -> list[str]:
+    """Where counts that the user asks for along a sweep leave fewer elements than he asks for elsewhere, a line each.
+
+    levels: (n_level,) of the group. wishes: see level_wishes. frame: (3, 3), user's point = frame @ working point.
+    """
+    told = []
+    slack = SLIVER * float(levels[-1] - levels[0])
+    for wish in wishes:
+        inside = (levels > wish.start - slack) & (levels < wish.end + slack)
+        n = int(np.count_nonzero(inside)) - 1
+        if wish.count is not None or n >= wish.least:
+            continue
+        beside = [
+            brick.segment
+            for brick in group.bricks
+            if any(min(p.end, wish.end) - max(p.start, wish.start) > slack for p in brick.pieces)
+        ]
+        names = ", ".join(f"{segment.id} ({segment.node})" for segment in beside)
+        what = "by the layers" if wish.least == layers else "by a size"
+        axis = axis_text(frame @ group.direction)
+        told.append(
+            f"{names}: {n} elements of the {wish.least} asked for {what} stand along {axis}: the seeds of an edge "
+            "that lies there are a count"
+        )
+    return list(dict.fromkeys(told))
 
 
 def level_wishes(

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 import shapely
-from assembling import WHOLE, assembled, audit
+from assembling import WHOLE, assembled, audit, cube, placed, turned
 
 from kernel.csg.reader import read_model
 from kernel.errors import OptionError
@@ -106,3 +106,26 @@ def test_a_turned_solid_has_the_layers_in_its_profile(layers):
     nodes = assembly.mesh.nodes @ evaluated.frame.T
     at_foot = nodes[np.abs(nodes[:, 2]) < 1e-6]
     assert len(np.unique(np.hypot(*at_foot[:, :2].T).round(6))) - 1 >= layers
+
+
+def test_seeds_along_a_sweep_that_leave_fewer_layers_are_told_with_the_segment():
+    block = placed(cube(60, 40, 20), (5, 6, 7), turned("y", 30))
+    point = ",".join(f"{value:.9f}" for value in (np.array([5, 6, 7]) + turned("y", 30) @ [30, 0, 0]))
+    seeded, _ = assembled(block, {"/": "brick"}, size=20.0, layers=4, seeds={point: 2})
+    (told,) = [text for text in seeded.warnings if "layers" in text]
+    assert told.startswith("s1 (/): 2 elements of the 4 asked for by the layers stand along (0.866, 0, -0.5)")
+    enough, _ = assembled(block, {"/": "brick"}, size=20.0, layers=4, seeds={point: 4})
+    assert not [text for text in enough.warnings if "layers" in text]
+
+
+def test_curves_of_a_host_seeded_coarser_than_the_layers_need_are_told_with_the_wall():
+    boss = (
+        "A = BLO(90, 80, 8)\nB = CYL(R=22, H=30) AT (MOVX=45, MOVY=40, MOVZ=8)\n"
+        "H = CYL(R=12, H=60) AT (MOVX=45, MOVY=40, MOVZ=-5)\nC = (A UN B) DIF H\n"
+    )
+    for size, is_told in ((12.0, True), (0.8, False)):
+        assembly, _ = assembled(boss, size=15.0, layers=3, curve_sizes={"H": size})
+        told = [text for text in assembly.warnings if "may have fewer" in text]
+        assert bool(told) == is_told
+        assert all("elements of 12 are asked for along the curve through (" in text for text in told)
+        assert all(text.startswith("s") for text in told)
