@@ -26,6 +26,10 @@ Length = Annotated[FiniteFloat, Field(gt=0)]
 MOST_EDITS = 1000
 """Edits in one request."""
 
+MOST_WORK = 20_000_000
+"""Edits of one request times nodes of its meshes: an edit goes over the whole mesh a few times, so that this many take
+some seventy seconds (24,000 quads of second order: .26 s each)."""
+
 
 class MergeEdit(Schema):
     """Lay another mesh beside this one; nothing is joined yet. Segments whose ids are taken get new ones."""
@@ -68,6 +72,13 @@ class DeleteSegmentEdit(Schema):
 Edit = Annotated[MergeEdit | ConnectEdit | AddNodeEdit | MoveNodeEdit | DeleteSegmentEdit, Field(discriminator="op")]
 EDITS: TypeAdapter[list[Edit]] = TypeAdapter(list[Edit])
 OPERATIONS = ("merge", "connect", "add_node", "move_node", "delete_segment")
+
+
+def refuse_too_much(n_edit: int, n_node: int) -> None:
+    """OptionError where so many edits of meshes with so many nodes together would take too long for one request."""
+    most = max(1, MOST_WORK // n_node)
+    if n_edit > most:
+        raise OptionError(f"{n_edit} edits of {n_node} nodes, expected at most {most} in one request")
 
 
 def parse_edits(value: Any) -> list[Edit]:

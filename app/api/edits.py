@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from typing import Annotated, Any
 
 from fastapi import APIRouter, Body, Response
@@ -10,7 +11,7 @@ from pydantic import Field
 from app.api.context import Context, Ctx, question_key
 from app.api.meshing import QUEUED, JobResource, job_resource
 from app.api.problems import problem_responses
-from app.editing import MOST_EDITS, Edit, MergeEdit
+from app.editing import MOST_EDITS, Edit, MergeEdit, refuse_too_much
 from app.schemas import Schema
 from app.store import MeshRow
 
@@ -50,6 +51,8 @@ def edit_mesh(
     done.
     """
     row = context.mesh(mesh_id)
+    others = [context.mesh(edit.mesh) for edit in wanted.edits if isinstance(edit, MergeEdit)]
+    refuse_too_much(len(wanted.edits), sum(_n_node(context, each) for each in (row, *others)))
     payload = {
         "task": "edit",
         "parent": row.id,
@@ -60,6 +63,10 @@ def edit_mesh(
     job = context.jobs.submit(row.model, question_key("edit", payload), payload)
     response.headers["Location"] = f"/v1/jobs/{job.id}"
     return job_resource(job)
+
+
+def _n_node(context: Context, row: MeshRow) -> int:
+    return int(json.loads(context.artifacts.get(row.answer))["nodes"])
 
 
 def _contents(row: MeshRow) -> dict[str, str]:

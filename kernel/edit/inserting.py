@@ -14,7 +14,8 @@ from kernel.connect.build import clean_coordinates
 from kernel.edit.edited import Edited
 from kernel.edit.fitted import Fitted
 from kernel.edit.locate import Found, nearest_element, project_on
-from kernel.edit.patch import Split, insert_in_patch, kept_edges, surface_of
+from kernel.edit.patch import Split, insert_in_patch, surface_of
+from kernel.edit.surroundings import kept_edges, shells_about
 from kernel.edit.workpiece import Edge, Workpiece
 from kernel.errors import MeshError, OptionError
 from kernel.mesh.elements import ELEMENT_KINDS
@@ -113,7 +114,10 @@ def _in_shell(work: Workpiece, found: Found, place: Array, reach: float) -> tupl
         within = fitted.lift(fitted.flat(found.place[None]))[0]
         _refuse_off(place, within, reach, segment)
         on = within
-    kept = kept_edges(work, segment)
+    around = shells_about(work, segment, on)
+    about = around.nodes(len(work.nodes))
+    about[corners] = True
+    kept = kept_edges(work, segment, about)
     nearest = _nearest_kept(work, block, found.element, fitted, on, kept)
     if nearest is not None:
         edge, share, beside, length, foot = nearest
@@ -126,7 +130,7 @@ def _in_shell(work: Workpiece, found: Found, place: Array, reach: float) -> tupl
             )
     _refuse_off(place, on, reach, f"the mid-surface of {segment}")
     node = int(work.add_nodes(on[None])[0])
-    quality = insert_in_patch(work, segment, fitted, node, kept)
+    quality = insert_in_patch(work, segment, fitted, node, around, kept)
     return node, f"{segment}, whose worst element about it has a scaled Jacobian of {quality:.2f}"
 
 
@@ -189,8 +193,9 @@ def _on_curve(work: Workpiece, edge: Edge, share: float, on: Array, place: Array
             work.middles[min(corner, node), max(corner, node)] = half
     qualities = []
     for name, fitted in fits.items():
-        kept = kept_edges(work, name) | {edge}
-        qualities.append(insert_in_patch(work, name, fitted, node, kept, Split(*edge, node)))
+        around = shells_about(work, name, on, edge)
+        kept = kept_edges(work, name, around.nodes(len(work.nodes))) | {edge}
+        qualities.append(insert_in_patch(work, name, fitted, node, around, kept, Split(*edge, node)))
     for index in range(len(work.blocks)):
         block = work.blocks[index]
         if ELEMENT_KINDS[block.kind].dimension == 1:

@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kernel.edit.fitted import Fitted, FittedCylinder, fit_surface
+from kernel.edit.surroundings import WIDTHS, Surroundings
 from kernel.edit.workpiece import Edge, Workpiece
 from kernel.errors import MeshError
 from kernel.mesh.elements import ELEMENT_KINDS, SECOND_ORDER
@@ -30,9 +31,6 @@ from kernel.places import place_text
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
-
-WIDTHS = (1.8, 2.7, 2.2, 1.5, 3.5, 5.0)
-"""Half widths of the patches that are tried, in element edges."""
 
 GOOD = 0.65
 """A patch whose elements all have this scaled Jacobian is taken without looking further."""
@@ -100,27 +98,18 @@ def surface_of(work: Workpiece, segment: str, place: Array) -> Fitted:
     return fitted
 
 
-def kept_edges(work: Workpiece, segment: str) -> set[Edge]:
-    """Edges (a < b) of the segment's shells that must stay: of its rim, of curves, of other segments, or held."""
-    own: Counter[Edge] = Counter()
-    others: set[Edge] = set()
-    for block in work.blocks:
-        kind = ELEMENT_KINDS[block.kind]
-        for edge in kind.edges:
-            pairs = map(tuple, np.sort(block.connectivity[:, list(edge)], axis=1).tolist())
-            if block.segment == segment and kind.dimension == 2:
-                own.update(pairs)
-            else:
-                others.update(pairs)
-    curves = {(min(a, b), max(a, b)) for a, b, _ in work.reference.curve_uses.tolist()}
-    held = {edge for edge, middle in work.middles.items() if middle in work.held}
-    return {edge for edge, count in own.items() if count != 2 or edge in others or edge in curves or edge in held}
-
-
 def insert_in_patch(
-    work: Workpiece, segment: str, fitted: Fitted, node: int, kept: set[Edge], split: Split | None = None
+    work: Workpiece,
+    segment: str,
+    fitted: Fitted,
+    node: int,
+    around: Surroundings,
+    kept: set[Edge],
+    split: Split | None = None,
 ) -> float:
     """Mesh the patch about a new node again; gives its worst scaled Jacobian. split: the kept edge that it lies on.
+
+    around: the segment's shells about the node; kept: of their edges those that must stay.
 
     MeshError: no patch gives elements that are good enough.
     """
@@ -128,7 +117,7 @@ def insert_in_patch(
     best: _Candidate | None = None
     complaint = ""
     for width in WIDTHS:
-        cavity = _cavity(work, segment, fitted, place, width, kept, split)
+        cavity = _cavity(work, segment, fitted, place, width, around, kept)
         if cavity is None:
             continue
         for faces in ("tri",) if cavity.is_triangles else ("mixed", "quad"):
@@ -159,28 +148,13 @@ def _rank(candidate: _Candidate) -> tuple[bool, int, float]:
 
 
 def _cavity(
-    work: Workpiece, segment: str, fitted: Fitted, place: Array, width: float, kept: set[Edge], split: Split | None
+    work: Workpiece, segment: str, fitted: Fitted, place: Array, width: float, around: Surroundings, kept: set[Edge]
 ) -> _Cavity | None:
     """None where the patch would go too far round a cylinder."""
-    rows: list[tuple[int, int, tuple[int, ...]]] = []
-    middles, sizes = [], []
-    for index, block in enumerate(work.blocks):
-        kind = ELEMENT_KINDS[block.kind]
-        if block.segment != segment or kind.dimension != 2 or not len(block.connectivity):
-            continue
-        corners = block.connectivity[:, : kind.n_corner]
-        rows += [(index, element, tuple(row)) for element, row in enumerate(corners.tolist())]
-        places = work.nodes[corners]
-        middles.append(places.mean(axis=1))
-        sizes.append(np.linalg.norm(places - np.roll(places, 1, axis=1), axis=2).mean(axis=1))
-    distance = np.linalg.norm(np.concatenate(middles) - place, axis=1)
-    edge = np.concatenate(sizes)
-    size = float(edge[np.argsort(distance, kind="stable")[:4]].mean())
-    near = distance <= width * size
-    near[int(np.argmin(distance))] = True
-    if split is not None:
-        near |= np.array([{split.a, split.b} <= set(row) for _, _, row in rows])
-    start = [k for k, (_, _, row) in enumerate(rows) if split is not None and {split.a, split.b} <= set(row)]
+    rows = around.rows
+    near = (around.distance <= width * around.size) | around.is_split
+    near[int(np.argmin(around.distance))] = True
+    start = np.flatnonzero(around.is_split).tolist()
     chosen = _connected(rows, near, start or [_containing(work, rows, near, fitted, place)])
     taken = [
         (index, np.array(sorted(rows[k][1] for k in chosen if rows[k][0] == index), dtype=np.int64))
@@ -192,13 +166,13 @@ def _cavity(
     rim = [(a, b) for a, b in directed if count[(min(a, b), max(a, b))] == 1]
     inner = sorted(pair for pair, times in count.items() if times == 2 and pair in kept)
     on_edges = {node for pair in (*rim, *inner) for node in pair}
-    outside = _used_elsewhere(work, segment)
     inside = {node for loop in loops for node in loop} - on_edges
     flat = fitted.flat(work.nodes[sorted({node for loop in loops for node in loop})])
     if isinstance(fitted, FittedCylinder) and fitted.is_wide(flat):
         return None
+    outside = _used_elsewhere(work, segment, np.array(sorted(inside), dtype=np.int64))
     hard = sorted(node for node in inside if node in work.held or node in outside)
-    own_size = float(np.mean(edge[sorted(chosen)]))
+    own_size = float(np.mean(around.edge[sorted(chosen)]))
     return _Cavity(taken, rim, inner, hard, own_size, all(len(loop) == 3 for loop in loops))
 
 
@@ -242,14 +216,13 @@ def _connected(
     return found
 
 
-def _used_elsewhere(work: Workpiece, segment: str) -> set[int]:
-    """Nodes of other segments, and of what is no shell."""
-    return {
-        node
-        for block in work.blocks
-        if block.segment != segment or ELEMENT_KINDS[block.kind].dimension != 2
-        for node in block.connectivity.ravel().tolist()
-    }
+def _used_elsewhere(work: Workpiece, segment: str, nodes: Indices) -> set[int]:
+    """Those of the nodes that other segments have, or what is no shell."""
+    found: set[int] = set()
+    for block in work.blocks:
+        if block.segment != segment or ELEMENT_KINDS[block.kind].dimension != 2:
+            found.update(nodes[np.isin(nodes, block.connectivity)].tolist())
+    return found
 
 
 def _meshed(work: Workpiece, cavity: _Cavity, fitted: Fitted, node: int, faces: str, split: Split | None) -> _Candidate:

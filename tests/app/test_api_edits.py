@@ -124,5 +124,15 @@ def test_a_wrong_request_is_refused_before_it_is_queued(client, apart, body, sta
     assert re.search(told, answer.json()["detail"]), answer.text
 
 
+def test_more_edits_than_the_meshes_nodes_allow_are_refused_before_they_are_queued(client, apart, monkeypatch):
+    monkeypatch.setattr("app.editing.MOST_WORK", 3 * apart["nodes"])
+    edits = [{"op": "add_node", "at": [61, 33, 2.5]}] * 4
+    answer = client.post(f"/v1/meshes/{apart['id']}/edits", json={"edits": edits})
+    assert answer.status_code == 422
+    assert f"4 edits of {apart['nodes']} nodes, expected at most 3 in one request" in answer.json()["detail"]
+    merged = client.post(f"/v1/meshes/{apart['id']}/edits", json={"edits": [{"op": "merge", "mesh": apart["id"]}] * 2})
+    assert "expected at most 1 in one request" in merged.json()["detail"]
+
+
 def test_no_mesh_no_edits(client):
     assert client.post("/v1/meshes/nowhere/edits", json={"edits": [{"op": "connect"}]}).status_code == 404
