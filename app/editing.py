@@ -121,7 +121,8 @@ def apply_edit(subject: Subject, edit: Edit, fetch: Callable[[str], Subject]) ->
     from kernel.edit.connecting import connect_model
     from kernel.edit.inserting import add_node
     from kernel.edit.merging import merge_models
-    from kernel.edit.removing import delete_segment, move_node
+    from kernel.edit.moving import move_node
+    from kernel.edit.removing import delete_segment
 
     edited = subject.edited
     match edit:

@@ -82,6 +82,14 @@ class _Candidate:
 
 def surface_of(work: Workpiece, segment: str, place: Array) -> Fitted:
     """The surface of a segment's shells, unrolled about a place. MeshError: neither a plane nor a cylinder."""
+    fitted = fitted_surface(work, segment, place)
+    if fitted is None:
+        raise MeshError(f"{segment} is neither plane nor a cylinder, expected one of them to add a node in")
+    return fitted
+
+
+def fitted_surface(work: Workpiece, segment: str, place: Array) -> Fitted | None:
+    """The surface of a segment's shells, unrolled about a place; None where it is neither a plane nor a cylinder."""
     rows, centres, normals = [], [], []
     for block in work.blocks:
         if block.segment == segment and ELEMENT_KINDS[block.kind].dimension == 2:
@@ -92,10 +100,7 @@ def surface_of(work: Workpiece, segment: str, place: Array) -> Fitted:
             centres.append(corners.mean(axis=1))
             rows.append(block.connectivity.ravel())
     points = work.nodes[np.unique(np.concatenate(rows))]
-    fitted = fit_surface(points, np.concatenate(centres), np.concatenate(normals), place)
-    if fitted is None:
-        raise MeshError(f"{segment} is neither plane nor a cylinder, expected one of them to add a node in")
-    return fitted
+    return fit_surface(points, np.concatenate(centres), np.concatenate(normals), place)
 
 
 def insert_in_patch(

@@ -1,4 +1,4 @@
-"""Deleting a segment, and moving a node."""
+"""Deleting a segment."""
 
 from __future__ import annotations
 
@@ -9,20 +9,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kernel.connect.audit import connected_components, coupling_nodes
-from kernel.connect.model import Coupling, Model, Mpc, Rbe2
+from kernel.connect.model import Coupling, Rbe2
 from kernel.connect.reference import part_of, renumbered, renumbered_arms
 from kernel.edit.edited import Edited, known_segment, renumbered_coupling, renumbered_sets, segment_names
-from kernel.errors import MeshError, OptionError
+from kernel.errors import OptionError
 from kernel.mesh.elements import ELEMENT_KINDS
 from kernel.mesh.mesh import ElementBlock, Mesh
-from kernel.mesh.quality import refuse_inverted
-from kernel.places import place_text
 
-Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
-
-AT_NODE = 1e-6
-"""A place is a node's where it is nearer than this share of the model's size."""
 
 
 def delete_segment(edited: Edited, segment: str) -> Edited:
@@ -101,48 +95,3 @@ def _edges(blocks: Sequence[ElementBlock], segment: str, of_segment: bool) -> li
             pairs = np.concatenate([np.sort(block.connectivity[:, list(edge)], axis=1) for edge in kind.edges])
             found += [(a, b) for a, b in pairs.tolist()]
     return found
-
-
-def move_node(edited: Edited, at: Array, to: Array) -> Edited:
-    """Move the node at one place to another; mid-side nodes beside it move half as far.
-
-    OptionError: no node there. MeshError: it stands in an equation, which would no longer hold, or an element would
-    be turned inside out.
-    """
-    model = edited.model
-    node = node_at(model, at, edited.reference.size)
-    delta = np.asarray(to, dtype=np.float64) - model.mesh.nodes[node]
-    nodes = np.array(model.mesh.nodes)
-    nodes[node] = to
-    beside = _beside(model.mesh, node)
-    nodes[beside] += 0.5 * delta
-    for coupling in model.couplings:
-        if isinstance(coupling, Mpc) and not {node, *beside.tolist()}.isdisjoint(coupling.nodes.tolist()):
-            raise MeshError(f"the node at {place_text(at)} stands in an equation that holds only where it is")
-    nodes.flags.writeable = False
-    moved = replace(model, mesh=Mesh(nodes, model.mesh.blocks))
-    refuse_inverted(moved.mesh)
-    return edited.done(moved, edited.reference, f"moved the node at {place_text(at)} to {place_text(nodes[node])}")
-
-
-def node_at(model: Model, at: Array, size: float) -> int:
-    """The node at a place; OptionError where there is none, with the nearest one's place."""
-    distances = np.linalg.norm(model.mesh.nodes - np.asarray(at), axis=1)
-    nearest = int(np.argmin(distances))
-    if distances[nearest] > AT_NODE * size:
-        raise OptionError(
-            f"there is no node at {place_text(at)}, the nearest is at {place_text(model.mesh.nodes[nearest])}"
-        )
-    return nearest
-
-
-def _beside(mesh: Mesh, node: int) -> Indices:
-    """Mid-side nodes of the edges that end at the node."""
-    found = [np.empty(0, np.int64)]
-    for block in mesh.blocks:
-        kind = ELEMENT_KINDS[block.kind]
-        if kind.order == 2:
-            for place, edge in enumerate(kind.edges):
-                ends = (block.connectivity[:, list(edge)] == node).any(axis=1)
-                found.append(block.connectivity[ends, kind.n_corner + place])
-    return np.unique(np.concatenate(found))

@@ -13,7 +13,8 @@ from kernel.connect.model import Mpc, NamedSet, Property, Rbe2
 from kernel.edit.connecting import connect_model
 from kernel.edit.edited import Edited
 from kernel.edit.merging import merge_models
-from kernel.edit.removing import delete_segment, move_node
+from kernel.edit.moving import move_node
+from kernel.edit.removing import delete_segment
 from kernel.errors import ConnectError, MeshError, OptionError
 from kernel.materials import named_material
 from kernel.mesh.mesh import ElementBlock
