@@ -119,7 +119,7 @@ def _on_curve(topology: Topology, curve: Curve, planes: dict[Plane, list[int]], 
             normals = other.sheet.normals(middles)
             depth = 0.5 * other.thickness / np.linalg.norm(np.cross(wall.sheet.normals(middles), normals), axis=1)
             side = float(np.sign(np.einsum("ni,ni->n", inward, normals).sum()))
-            volume += wall.thickness * (_strip_area(topology, curve, wall, other, side) - float(steps @ depth))
+            volume += wall.thickness * (strip_area(topology, curve, wall, other, side) - float(steps @ depth))
     kind = {(2, 2): "corner", (2, 3): "tee", (2, 4): "cross"}.get((len(planes), len(rays)), "walls on one line")
     return tuple(by_face[face].segment.id for faces in planes.values() for face in faces), kind, volume
 
@@ -130,7 +130,7 @@ def _angles(rays: Array, tangents: Array) -> Array:
     return np.arctan2(np.einsum("rni,ni->rn", rays, across), np.einsum("rni,ni->rn", rays, rays[0]))
 
 
-def _strip_area(topology: Topology, curve: Curve, wall: Wall, other: Wall, side: float) -> float:
+def strip_area(topology: Topology, curve: Curve, wall: Wall, other: Wall, side: float) -> float:
     """Area of the wall's sheet between a joint curve and the other's face, on the side of its normal (1) or the far."""
     carrier = topology.carrier(curve.carrier)
     values = []

@@ -164,15 +164,26 @@ def _reach(topology: Topology, crossing: Crossing, wall: Wall) -> list[Interval]
     low, high = whole_range(topology, carrier, other.segment.solid.bounds)
     curve = samples(topology, carrier, low, high)
     margin += crossing.gap.get(wall.index, 0.0)
+    touching = _along(topology, crossing, wall, slab_edges(wall, other, curve, margin))
+    within = _along(topology, crossing, wall, slab_edges(wall, other, curve, -margin)) if touching else []
+    # A wall that owns a corner's material may have more of it than it touches the other's slab along.
+    slack = 10 * topology.tolerance
+    longer = [ends for ends in within if any(ends[0] <= b + slack and a <= ends[1] + slack for a, b in touching)]
+    return merged([*touching, *longer], slack, carrier.period)
+
+
+def _along(topology: Topology, crossing: Crossing, wall: Wall, edges: Sequence[Array]) -> list[Interval]:
+    """The stretches of the joint curve where the wall's own section lies under lines (n, 3) beside it."""
+    period = topology.carrier(crossing.carrier).period
     intervals: list[Interval] = []
-    for edge in slab_edges(wall, other, curve, margin):
+    for edge in edges:
         line = windowed(wall.sheet, shapely.LineString(unwrapped(wall.sheet, edge)))
         for piece in shapely.get_parts(shapely.line_merge(line.intersection(wall.own))):
             if piece.geom_type != "LineString" or piece.length <= topology.tolerance:
                 continue
-            values = carrier.parameters(wall.sheet.lift(np.asarray(piece.coords)))
-            intervals.append(_unrolled_range(values, carrier.period))
-    return merged(intervals, 10 * topology.tolerance, carrier.period)
+            values = topology.carrier(crossing.carrier).parameters(wall.sheet.lift(np.asarray(piece.coords)))
+            intervals.append(_unrolled_range(values, period))
+    return intervals
 
 
 def _askew_gap(topology: Topology, crossing: Crossing, wall: Wall) -> float:

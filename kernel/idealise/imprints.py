@@ -19,6 +19,7 @@ from kernel.idealise.crossings import Crossing, merged
 from kernel.idealise.outlines import Stretch, meeting_point, polyline, unwrapped, windowed
 from kernel.idealise.sheets import Sheet
 from kernel.idealise.topology import BOUNDARY, IMPRINT, Span, Topology
+from kernel.idealise.trims import trimmed
 from kernel.idealise.walls import Wall
 from kernel.solid.surfaces import signed_distance
 
@@ -67,11 +68,19 @@ def piece(topology: Topology, carrier: int, start: float, end: float) -> Stretch
 
 
 def crossing_candidates(topology: Topology, crossings: Sequence[Crossing]) -> list[Candidate]:
-    """The joint curves of walls, in both of them."""
+    """The joint curves of walls, in both of them, as far as both may reach: one that went on would cut far edges."""
+    beside: dict[tuple[int, int], list[Crossing]] = {}
+    for crossing in crossings:
+        for wall in crossing.walls:
+            beside.setdefault((crossing.carrier, wall.index), []).append(crossing)
     found = []
     for crossing in crossings:
         period = topology.carrier(crossing.carrier).period
-        intervals = [ends for reach in crossing.reach.values() for ends in reach]
+        intervals = [
+            ends
+            for wall in crossing.walls
+            for ends in trimmed(topology, crossing, wall, beside[crossing.carrier, wall.index])
+        ]
         for start, end in merged(intervals, topology.tolerance, period):
             stretch = piece(topology, crossing.carrier, start, end)
             a, b = crossing.walls

@@ -15,12 +15,13 @@ from numpy.typing import NDArray
 
 from kernel.idealise.askew import is_filled, own_edge
 from kernel.idealise.carriers import Circle, Line
-from kernel.idealise.closed_forms import Row, closed_forms
+from kernel.idealise.closed_forms import Row, closed_forms, strip_area
+from kernel.idealise.crossings import Crossing
 from kernel.idealise.members import BALANCE, JOINT, SHAPE, UNEXPLAINED, LedgerRow
 from kernel.idealise.outlines import Stretch, unwrapped
 from kernel.idealise.parts import Parts
 from kernel.idealise.sheets import PlaneSheet, Sheet
-from kernel.idealise.topology import Curve, Topology
+from kernel.idealise.topology import BOUNDARY, Curve, Topology
 from kernel.idealise.walls import Wall
 
 NEGLIGIBLE = 1e-12
@@ -95,7 +96,10 @@ def volume_ledger(parts: Parts, curves: Sequence[Curve], solid: float) -> tuple[
     closed: dict[int, list[Row]] = {}
     for row in closed_forms(parts.topology, curves, list(parts.walls.values())):
         closed.setdefault(groups[row[0][0]], []).append(row)
-    for row in _filled_wedges(parts, curves):
+    by_carrier: dict[int, list[Curve]] = {}
+    for curve in curves:
+        by_carrier.setdefault(curve.carrier, []).append(curve)
+    for row in (*_filled_wedges(parts, by_carrier), *_trimmed_edges(parts, by_carrier)):
         closed.setdefault(groups[row[0][0]], []).append(row)
     members: dict[int, list[str]] = {}
     for name in shapes:
@@ -126,13 +130,39 @@ def volume_ledger(parts: Parts, curves: Sequence[Curve], solid: float) -> tuple[
 
 NO_FORM = "joints of walls without a closed form"
 WEDGE = "a square end carried on to the face that it meets askew"
+TRIMMED = "an edge cut back to a joint also where nothing stands against it"
 
 
-def _filled_wedges(parts: Parts, curves: Sequence[Curve]) -> Iterator[Row]:
+def _trimmed_edges(parts: Parts, by_carrier: dict[int, list[Curve]]) -> Iterator[Row]:
+    """What walls lose that are cut back all along an edge, where what stands against it leaves some of it bare."""
+    on_carrier: dict[int, list[Crossing]] = {}
+    for crossing in parts.crossings:
+        on_carrier.setdefault(crossing.carrier, []).append(crossing)
+    for carrier, beside in on_carrier.items():
+        period = parts.topology.carrier(carrier).period
+        for curve in by_carrier.get(carrier, []):
+            if [use.role for use in curve.uses.values()] != [BOUNDARY]:
+                continue
+            middle = 0.5 * (curve.start + curve.end)
+            reaching = [(one, wall) for one in beside for wall in one.walls if _reaches(one, wall, middle, period)]
+            if {wall.index for _, wall in reaching} != set(curve.uses):
+                continue
+            crossing, wall = reaching[0]
+            other = crossing.other(wall)
+            normal = other.sheet.normals(parts.topology.carrier(carrier).at(np.array([middle])))[0]
+            side = float(np.sign(_inward(wall, curve, parts.topology) @ normal))
+            area = strip_area(parts.topology, curve, wall, other, -side)
+            yield (wall.segment.id,), TRIMMED, -wall.thickness * area
+
+
+def _reaches(crossing: Crossing, wall: Wall, value: float, period: float | None) -> bool:
+    """Whether the wall's own material reaches the joint curve at a parameter of it."""
+    turns = (0.0,) if period is None else (-period, 0.0, period)
+    return any(start <= value + turn <= end for start, end in crossing.reach[wall.index] for turn in turns)
+
+
+def _filled_wedges(parts: Parts, by_carrier: dict[int, list[Curve]]) -> Iterator[Row]:
     """What walls gain that are cut square, touch another with one corner only, and are carried on to it."""
-    by_carrier: dict[int, list[Curve]] = {}
-    for curve in curves:
-        by_carrier.setdefault(curve.carrier, []).append(curve)
     for crossing in parts.crossings:
         for number in crossing.gap:
             web = next(wall for wall in crossing.walls if wall.index == number)
@@ -154,9 +184,10 @@ def _filled_wedges(parts: Parts, curves: Sequence[Curve]) -> Iterator[Row]:
 
 
 def _inward(wall: Wall, curve: Curve, topology: Topology) -> NDArray[np.float64]:
-    """Unit vector (3,) from amid a straight curve into a wall that ends on it."""
-    first, last = topology.carrier(curve.carrier).at(np.array([curve.start, curve.end]))
-    inward = np.cross(wall.sheet.normals(first[None])[0], last - first) * (
+    """Unit vector (3,) from amid a curve into a wall that ends on it."""
+    middle, ahead = 0.5 * (curve.start + curve.end), 1e-3 * curve.length
+    before, amid, after = topology.carrier(curve.carrier).at(np.array([middle - ahead, middle, middle + ahead]))
+    inward = np.cross(wall.sheet.normals(amid[None])[0], after - before) * (
         1.0 if curve.uses[wall.index].forward else -1.0
     )
     return np.asarray(inward / np.linalg.norm(inward))

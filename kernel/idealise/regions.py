@@ -6,7 +6,8 @@ In the wall's own flat frame, with strips for the slabs of the walls that it cro
     |           |  :  |
     |    own    |  :  |        cells = own and strips, within the material, cut along the joint curves
     |           |  :  |        a cell that holds nothing of the wall outside the strips, and ends elsewhere
-    +-----------+--:--+        than on joint curves, goes; so a corner ends on the curve, whoever owned it
+    +-----------+--:--+        than on joint curves, goes; so a corner ends on the curve, whoever owned it, as far as
+                               the other wall stands there (trims.py)
 
 Polygons are for combinatorics only: every edge of the result is put back on its carrier.
 """
@@ -36,6 +37,7 @@ from kernel.idealise.outlines import (
 )
 from kernel.idealise.sheets import CylinderSheet, PlaneSheet, Sheet
 from kernel.idealise.topology import Topology
+from kernel.idealise.trims import step_ends, trimmed
 from kernel.idealise.walls import Wall, section_outline
 from kernel.segment.segments import Segment
 from kernel.segment.slices import parts_of
@@ -109,7 +111,7 @@ def _region(
 ) -> PolygonLike:
     size = topology.carriers.reach
     grid = GRID * size
-    strips, gaps, slabs, cuts = [], [], [], []
+    strips, gaps, slabs, cuts, cutting = [], [], [], [], []
     for crossing in crossings:
         carrier = topology.carrier(crossing.carrier)
         other = crossing.other(wall)
@@ -118,15 +120,19 @@ def _region(
         if gap:
             gaps += [strip(topology, wall, crossing, *ends, gap) for ends in crossing.reach[wall.index]]
         slabs.append(slab(topology, wall, crossing))
+        trims = trimmed(topology, crossing, wall, [one for one in crossings if one.carrier == crossing.carrier])
+        cutting += [strip(topology, wall, crossing, *ends, gap) for ends in trims]
         beyond = CUT_BEYOND * 0.5 * other.thickness
-        for intervals in crossing.reach.values():
-            for start, end in intervals:
-                is_all = carrier.period is not None and end - start >= carrier.period - topology.tolerance
-                more = 0.0 if is_all else beyond
-                curve = samples(topology, carrier, start - more, end + more)
-                cuts.append(windowed(wall.sheet, LineString(unwrapped(wall.sheet, curve))))
+        for start, end in [*trims, *crossing.reach[other.index]]:
+            is_all = carrier.period is not None and end - start >= carrier.period - topology.tolerance
+            more = 0.0 if is_all else beyond
+            curve = samples(topology, carrier, start - more, end + more)
+            cuts.append(windowed(wall.sheet, LineString(unwrapped(wall.sheet, curve))))
+        for value in step_ends(crossing, wall, trims, 10 * topology.tolerance):
+            ends = slab_edges(wall, other, carrier.at(np.array([value])), gap + beyond)
+            cuts.append(windowed(wall.sheet, LineString(unwrapped(wall.sheet, np.vstack(ends)))))
     own = _without_dust(wall.own, shapely.union_all(slabs))
-    held = own.difference(shapely.union_all([*strips, *gaps])) if strips or gaps else own
+    held = own.difference(shapely.union_all(cutting)) if cutting else own
     material = shapely.union_all([wall.own, *_material(wall, nearby, sections)], grid_size=grid)
     grown = shapely.intersection(shapely.union_all([own, *strips], grid_size=grid), material, grid_size=grid)
     grown = shapely.union_all(parts_of(shapely.union_all([grown, *gaps], grid_size=grid)))

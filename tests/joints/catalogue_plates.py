@@ -77,6 +77,14 @@ PLATES = {
         "plate plate plate",
     ),
     "thin flange": Joined(union(cube(200, 150, 3), cube(200, 12, 100, (0, 69, 3))), "tee", "plate plate"),
+    "short post flush with the side of its flange": Joined(
+        union(cube(900, 200, 12, (0, 0, 300)), cube(150, 10, 300)), "corner", "plate plate"
+    ),
+    "box column flush with the sides of its flange": Joined(
+        union(cube(900, 200, 12, (0, 0, 300)), difference(cube(200, 200, 300), cube(180, 180, 400, (10, 10, -50)))),
+        "corner tee",
+        "plate plate plate plate plate",
+    ),
     "lip": Joined(union(cube(200, 150, 8), cube(200, 8, 60, (0, 15, 8))), "tee", "plate plate"),
     "web longer than its flange": Joined(
         union(cube(200, 120, 10), cube(300, 8, 100, (-50, 56, 10))), "tee", "plate plate"

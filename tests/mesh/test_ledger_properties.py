@@ -124,6 +124,55 @@ def test_plates_and_tubes(tee, radius, wall, plate, kind):
     explained(text, tee, chords=5e-3)
 
 
+def breadth(assembly, name: str, low: float, high: float) -> float:
+    """Breadth along y of a segment between two values of x; 0 where it has no nodes there."""
+    used = np.unique(np.concatenate([block.connectivity.ravel() for block in _blocks_of(assembly, name)]))
+    x, y = assembly.mesh.nodes[used, :2].T
+    there = y[(x > low) & (x < high)]
+    return float(np.ptp(there)) if len(there) else 0.0
+
+
+@TEES
+@FAMILY
+@given(
+    at=st.sampled_from([0, 300, 700]),
+    long=st.integers(60, 150),
+    t=st.sampled_from([6, 9, 14]),
+    turn=st.sampled_from([0, 33]),
+)
+def test_a_short_wall_flush_with_an_edge_leaves_the_rest_of_it_alone(tee, at, long, t, turn):
+    """The flange is cut back only where the wall stands; no more, no less than the corner is counted."""
+    text = union(cube(900, 200, 12, (0, 0, 300)), cube(long, t, 300, (at, 0, 0)))
+    straight = explained(text, tee)
+    (flange,) = (segment.id for segment in straight.segments if segment.thickness == pytest.approx(12))
+    assert breadth(straight, flange, at - 100, at - 1) in (0.0, pytest.approx(200))
+    assert breadth(straight, flange, at + long + 1, 900) in (0.0, pytest.approx(200))
+    assert breadth(straight, flange, at + 1, at + long - 1) == pytest.approx(200 - t / 2)
+    moved = explained(placed(text, (10, 20, 30), turned("x", turn)), tee)
+    for assembly in (straight, moved):
+        assert mesh_volume(assembly) == pytest.approx(900 * 200 * 12 + long * t * 300, rel=ROUNDING)
+
+
+@TEES
+@FAMILY
+@given(bare=st.integers(20, 30), t=st.sampled_from([6, 8, 10, 14]))
+def test_an_edge_with_little_bare_is_cut_back_all_along_and_the_ledger_says_so(tee, bare, t):
+    assembly = explained(union(cube(600, 200, 12, (0, 0, 200)), cube(600 - bare, t, 200)), tee)
+    (flange,) = (segment.id for segment in assembly.segments if segment.thickness == pytest.approx(12))
+    assert breadth(assembly, flange, 599, 601) == pytest.approx(200 - t / 2)
+    (row,) = (row for row in assembly.ledger if row.kind == JOINT)
+    assert row.segments == (flange,)
+    assert -12 * bare * t / 2 <= row.volume < 0
+
+
+@TEES
+@FAMILY
+@given(t=st.integers(6, 10), wide=st.integers(150, 250))
+def test_a_box_column_flush_with_the_sides_of_a_longer_flange(tee, t, wide):
+    column = difference(cube(wide, 200, 300), cube(wide - 2 * t, 200 - 2 * t, 400, (t, t, -50)))
+    explained(union(cube(900, 200, 12, (0, 0, 300)), column), tee)
+
+
 @TEES
 @pytest.mark.parametrize("name", ["tee at 60 degrees", "egg-crate", "vee at 45 degrees", "hull with skew corners"])
 def test_what_is_left_when_a_segment_goes_is_explained_too(tee, name):
