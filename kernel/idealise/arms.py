@@ -47,25 +47,31 @@ WITHIN = 0.5
 SAME_THICKNESS = 1e-6
 """Coplanar walls are one flange when their thicknesses differ by less than this share."""
 
-TeeOf = Callable[[str, str], str]
-"""How the tees of two segments are made, "extend" or "arms"."""
+TeeOf = Callable[[Sequence[Joint]], str]
+"""How tees on one curve are made, "extend" or "arms", by the joints that lie along it."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Arm:
     """A stretch `edge` of the web's outline that hangs from the stretch `along` of the joint curve.
 
-    flanges: the walls, all on one sheet, inside which the joint curve lies. side: 1 where the web stands on the side
-    to which the flange's normal points, else -1. gap: how far from the flange's face the web ends.
+    flanges: the walls, all on one sheet, inside which the joint curve lies. crossing: of the web and one of them.
+    side: 1 where the web stands on the side to which the flange's normal points, else -1. gap: how far from the
+    flange's face the web ends.
     """
 
     web: Wall
     flanges: tuple[Wall, ...]
-    joint: Joint
+    crossing: Crossing
     along: Stretch
     edge: Stretch
     side: float
     gap: float
+
+    @property
+    def joint(self) -> Joint:
+        """The joint that it carries: the largest along the curve."""
+        return max(self.crossing.joints, key=lambda joint: joint.area)
 
     @property
     def walls(self) -> tuple[Wall, ...]:
@@ -90,38 +96,39 @@ class _Tee:
     number: int
 
 
-def extended(_one: str, _other: str) -> str:
+def extended(_joints: Sequence[Joint]) -> str:
     """All tees by mid-surfaces that are carried on."""
     return "extend"
 
 
 def tee_choice(tee: str, of_joint: Mapping[str, str], joints: Sequence[Joint]) -> TeeOf:
-    """What holds for two segments: what was said of one of their joints, else `tee`.
+    """What holds on a curve: what was said of a joint along it, else `tee`.
 
-    of_joint: "extend" or "arms" by joint id. OptionError: an unknown joint, or two of the same segments that differ.
+    of_joint: "extend" or "arms" by joint id. OptionError: an unknown joint; two along the curve that differ.
     """
-    known = {joint.id: frozenset(joint.segments) for joint in joints}
+    known = {joint.id for joint in joints}
     for name in of_joint:
         if name not in known:
-            raise OptionError(f"no joint {name!r} in the model, expected one of {', '.join(known) or 'none'}")
-    pinned: dict[frozenset[str], str] = {}
-    by: dict[frozenset[str], str] = {}
-    for name, value in of_joint.items():
-        pair = known[name]
-        if pinned.setdefault(pair, value) != value:
-            raise OptionError(
-                f"tee of {by[pair]} is {pinned[pair]!r} and of {name} {value!r}, but both join "
-                f"{' and '.join(sorted(pair))}: expected the same"
-            )
-        by.setdefault(pair, name)
-    return lambda one, other: pinned.get(frozenset((one, other)), tee)
+            listed = ", ".join(joint.id for joint in joints) or "none"
+            raise OptionError(f"no joint {name!r} in the model, expected one of {listed}")
+
+    def of_curve(along: Sequence[Joint]) -> str:
+        said = [joint for joint in along if joint.id in of_joint]
+        for joint in said:
+            if of_joint[joint.id] != of_joint[said[0].id]:
+                raise OptionError(
+                    f"tee of {said[0].id} is {of_joint[said[0].id]!r} and of {joint.id} {of_joint[joint.id]!r}, but "
+                    f"both join {' and '.join(joint.segments)} along one curve: expected the same"
+                )
+        return of_joint[said[0].id] if said else tee
+
+    return of_curve
 
 
 def stand_off(
     topology: Topology,
     walls: Sequence[Wall],
     crossings: Sequence[Crossing],
-    joints: Sequence[Joint],
     tee_of: TeeOf,
     warnings: list[str],
 ) -> list[Arm]:
@@ -135,7 +142,7 @@ def stand_off(
     tees: dict[int, list[_Tee]] = {}
     for crossing in crossings:
         for web in crossing.walls:
-            if tee_of(*(wall.segment.id for wall in crossing.walls)) == "arms":
+            if tee_of(crossing.joints) == "arms":
                 tees.setdefault(web.index, []).extend(_tees(topology, crossing, web, by_sheet, warnings))
     regions = {wall.index: _cut_region(topology, wall, tees[wall.index]) for wall in walls if tees.get(wall.index)}
     arms = []
@@ -145,18 +152,25 @@ def stand_off(
             wall.known = sorted({*wall.known, *numbers})
             preferred = numbers | {crossing.carrier for crossing in crossings if wall in crossing.walls}
             wall.outline, wall.region = outline_of(topology, wall, regions[wall.index], preferred)
-            arms += [arm for tee in tees[wall.index] for arm in _arms(topology, wall, tee, joints)]
+            arms += [arm for tee in tees[wall.index] for arm in _arms(topology, wall, tee)]
     return arms
 
 
 def unused_choices(of_joint: Mapping[str, str], joints: Sequence[Joint], arms: Sequence[Arm]) -> list[str]:
-    """A line for each joint of which arms were asked, and that is no tee."""
-    hung = {frozenset((arm.web.segment.id, wall.segment.id)) for arm in arms for wall in arm.flanges}
+    """A line for each joint of which arms were asked, and that is no tee, or of which they were not asked, and that
+    lies on the curve of one of which they were.
+    """
+    hung = {joint.id for arm in arms for joint in arm.crossing.joints}
     lines = []
     for joint in joints:
-        if of_joint.get(joint.id) == "arms" and frozenset(joint.segments) not in hung:
+        if of_joint.get(joint.id) == "arms" and joint.id not in hung:
             names = f"{joint.kind} of {joint.segments[0]} and {joint.segments[1]}"
             lines.append(f"{joint.id} ({names}) has no arms: no wall ends within another there")
+    for along in {id(arm.crossing): arm.crossing.joints for arm in arms}.values():
+        said = [joint.id for joint in along if joint.id in of_joint]
+        others = [joint.id for joint in along if joint.id not in of_joint]
+        if said and others:
+            lines.append(f"{' and '.join(others)}: by arms as {said[0]}, along one curve with it")
     return lines
 
 
@@ -274,19 +288,18 @@ def _cut_region(topology: Topology, web: Wall, tees: Sequence[_Tee]) -> PolygonL
     return shapely.union_all(kept, grid_size=grid)
 
 
-def _arms(topology: Topology, web: Wall, tee: _Tee, joints: Sequence[Joint]) -> list[Arm]:
+def _arms(topology: Topology, web: Wall, tee: _Tee) -> list[Arm]:
     """An arm for each stretch of the web's new outline that is on the tee's edge, beside its joint curve."""
-    names = {frozenset((web.segment.id, wall.segment.id)) for wall in tee.flanges}
-    between = [joint for joint in joints if frozenset(joint.segments) in names]
-    joint = max(between, key=lambda joint: joint.area)
     found = []
     for stretch in web.outline:
         if stretch.carrier == tee.number and _is_beside(topology, web, tee, stretch):
-            found.append(Arm(web, tee.flanges, joint, tee.along, stretch, tee.side, tee.gap))
+            found.append(Arm(web, tee.flanges, tee.crossing, tee.along, stretch, tee.side, tee.gap))
     if not found:
+        amid = topology.carrier(tee.along.carrier).at(np.array([0.5 * (tee.along.start + tee.along.end)]))[0]
+        names = " and ".join(joint.id for joint in tee.crossing.joints)
         raise ConnectError(
-            f"{web.segment.id} finds no edge at the face of {tee.flanges[0].segment.id} ({joint.id}), expected one: "
-            "this joint must be extended"
+            f"{web.segment.id} finds no edge at the face of {tee.flanges[0].segment.id} ({names}) near "
+            f"{topology.place_text(amid)}, expected one: this joint must be extended"
         )
     return found
 

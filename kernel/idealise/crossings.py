@@ -40,13 +40,15 @@ class Crossing:
     """The curve `carrier` in which the mid-surfaces of two walls meet, and where each wall's material reaches it.
 
     gap: by wall, how far its mid-surface may end before the other's face: a wall that stands askew and is cut square
-    touches with one corner only. slabs: by wall, the other's slab in its sheet all along the curve, once asked for.
+    touches with one corner only. joints: those of the two walls that lie along the curve. slabs: by wall, the other's
+    slab in its sheet all along the curve, once asked for.
     """
 
     walls: tuple[Wall, Wall]
     carrier: int
     reach: dict[int, list[Interval]]
     gap: dict[int, float] = field(default_factory=dict)
+    joints: list[Joint] = field(default_factory=list)
     slabs: dict[int, PolygonLike] = field(default_factory=dict)
 
     def other(self, wall: Wall) -> Wall:
@@ -69,6 +71,7 @@ def find_crossings(topology: Topology, walls: Sequence[Wall], joints: Sequence[J
                 found[key] = Crossing(pair, number, {})
                 for wall in pair:
                     wall.known.append(number)
+            found[key].joints.append(joint)
     for crossing in found.values():
         _refuse_tangents(topology, crossing)
         for wall in crossing.walls:

@@ -39,7 +39,7 @@ def wanted_apart(joints: Sequence[Joint], apart: Collection[str]) -> frozenset[s
 def joined_tees(tee_of: TeeOf, joints: Sequence[Joint], apart: Collection[str]) -> TeeOf:
     """The same choice of tees, but extended ones where a joint is apart: nothing hangs from what is not joined."""
     pairs = torn_pairs(joints, apart)
-    return lambda one, other: extended(one, other) if {one, other} in pairs else tee_of(one, other)
+    return lambda along: extended(along) if frozenset(along[0].segments) in pairs else tee_of(along)
 
 
 def torn_pairs(joints: Sequence[Joint], apart: Collection[str]) -> set[frozenset[str]]:

@@ -193,7 +193,7 @@ def idealise(
     walls = list(parts.walls.values())
     crossings = parts.crossings = find_crossings(topology, walls, joints)
     join_walls(topology, walls, crossings, parts.surroundings(crossings))
-    parts.arms = stand_off(topology, walls, crossings, joints, tee_of, parts.warnings)
+    parts.arms = stand_off(topology, walls, crossings, tee_of, parts.warnings)
     lay_outlines(topology, walls)
     parts.joints = tuple(joint for joint in joints if joint.id not in apart)
     candidates = [*crossing_candidates(topology, crossings), *outline_candidates(topology, walls, joints)]

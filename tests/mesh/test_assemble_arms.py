@@ -10,7 +10,7 @@ from assembling import WHOLE, assembled, audit, cube, difference, extrusion, mes
 from test_assemble_joints import JOINTS, TUBE_ON_PLATE, inclined_web
 
 from kernel.errors import OptionError
-from kernel.idealise.arms import tee_choice
+from kernel.idealise.arms import tee_choice, unused_choices
 
 TEE = JOINTS["tee"]
 
@@ -148,11 +148,21 @@ def test_arms_asked_of_a_corner_are_warned_of():
     assert any("has no arms" in warning for warning in assembly.warnings)
 
 
-def test_two_joints_of_the_same_segments_cannot_differ():
-    joints = [SimpleNamespace(id=name, segments=("s1", "s2")) for name in ("j1", "j2")]
-    with pytest.raises(OptionError, match="tee of j1 is 'arms' and of j2 'extend', but both join s1 and s2"):
-        tee_choice("extend", {"j1": "arms", "j2": "extend"}, joints)
-    assert tee_choice("extend", {"j1": "arms", "j2": "arms"}, joints)("s2", "s1") == "arms"
+def test_two_joints_along_one_curve_cannot_differ_but_those_on_two_curves_may():
+    first, second, elsewhere = (SimpleNamespace(id=name, segments=("s1", "s2")) for name in ("j1", "j2", "j3"))
+    choice = tee_choice("extend", {"j1": "arms", "j3": "extend"}, (first, second, elsewhere))
+    assert choice([first]) == choice([second, first]) == "arms"
+    assert choice([second]) == choice([elsewhere]) == "extend"
+    with pytest.raises(OptionError, match="tee of j1 is 'arms' and of j3 'extend', but both join s1 and s2 along one"):
+        choice([first, elsewhere])
+
+
+def test_another_joint_on_the_curve_of_one_by_arms_is_told():
+    first, second = (SimpleNamespace(id=name, kind="tee", segments=("s1", "s2")) for name in ("j1", "j2"))
+    arm = SimpleNamespace(crossing=SimpleNamespace(joints=[first, second]))
+    told = unused_choices({"j1": "arms"}, (first, second), [arm])
+    assert told == ["j2: by arms as j1, along one curve with it"]
+    assert unused_choices({}, (first, second), [arm]) == []
 
 
 EDGE, CARRIER = "100,75,4", "100,75,2"
