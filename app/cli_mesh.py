@@ -142,7 +142,7 @@ def mesh(
     pinned = overrides(override)
     csg, material = with_material(pipeline.read(model), material)
     choose_material(material, csg, units_of(csg, units))
-    check_names(options, csg)
+    check_names(options, csg, only=only or (), joints=couplings)
     with progress_bar() as progress:
         classified = pipeline.classify(csg, overrides=pinned, rules=rules, units=units, gap=gap, progress=progress)
         meshed = pipeline.mesh(

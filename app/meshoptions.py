@@ -5,7 +5,8 @@ A mapping is written NAME=VALUE on the command line, once for each entry, and {"
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import re
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import fields
 from typing import Any
 
@@ -17,6 +18,8 @@ from kernel.segment.addresses import check_addresses
 
 ASKED = tuple(field.name for field in fields(MeshOptions) if field.name not in ("deadline", "joint_tees"))
 """The options that a user may give, by the names that HTTP has for them; `joints` is for couplings and tees alike."""
+
+_JOINT_ID = re.compile(r"j[1-9]\d*")
 
 
 def asked(given: object) -> dict[str, Any]:
@@ -44,11 +47,29 @@ def split_joints(said: Mapping[str, str]) -> tuple[dict[str, str], dict[str, str
     return couplings, {joint: value for joint, value in said.items() if value in TEES}
 
 
-def check_names(options: MeshOptions, csg: CsgModel) -> None:
-    """OptionError for what the model's text already shows to be of no node: said before anything is computed."""
-    check_addresses(options.sizes, csg.root, "size")
-    check_curve_names(options.curve_sizes, csg.root, "curve size")
-    check_curve_names(options.seeds, csg.root, "seeds")
+def check_names(
+    options: MeshOptions,
+    csg: CsgModel,
+    *,
+    only: Collection[str] = (),
+    joints: Collection[str] = (),
+    known: tuple[Sequence[str], Sequence[str]] | None = None,
+) -> None:
+    """OptionError for what is already known to be of no node, segment or joint: said before anything is computed.
+
+    only, joints: as they are asked for. known: ids of the segments and of the joints, None before the model is
+    classified: then whatever looks like such an id passes, and is looked at once they are known.
+    """
+    segments = None if known is None else known[0]
+    check_addresses(options.sizes, csg.root, "size", segments)
+    check_addresses(only, csg.root, "only", segments)
+    check_curve_names(options.curve_sizes, csg.root, "curve size", segments)
+    check_curve_names(options.seeds, csg.root, "seeds", segments)
+    for joint in (*joints, *options.joint_tees):
+        if known is not None and joint not in known[1]:
+            raise OptionError(f"no joint {joint!r} in the model, expected one of {', '.join(known[1]) or 'none'}")
+        if not _JOINT_ID.fullmatch(joint):
+            raise OptionError(f"no joint {joint!r}, expected an id such as j3")
 
 
 def by_name(given: Sequence[str] | None, option: str, form: str, example: str) -> dict[str, str]:

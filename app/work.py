@@ -68,7 +68,10 @@ def find_task(payload: Payload, _artifacts: Artifacts, _progress: Progress) -> s
 
 
 def mesh_names_task(payload: Payload, _artifacts: Artifacts, _progress: Progress) -> None:
-    """OptionError where a request to mesh the model names a material or a node that there is none of."""
+    """OptionError where a request to mesh the model names a material, node, segment or joint that there is none of.
+
+    known: ids of segments and joints where the model is classified already, else None.
+    """
     from app.meshoptions import check_names
     from kernel.materials import choose_material
     from kernel.mesh.options import MeshOptions
@@ -76,7 +79,8 @@ def mesh_names_task(payload: Payload, _artifacts: Artifacts, _progress: Progress
 
     csg = _csg(payload)
     choose_material(payload["material"], csg, unit_set(payload["units"]))
-    check_names(MeshOptions(**payload["options"]), csg)
+    options, known = MeshOptions(**payload["options"]), payload["known"]
+    check_names(options, csg, only=payload["only"], joints=payload["joints"], known=known)
 
 
 def solid_task(payload: Payload, artifacts: Artifacts, _progress: Progress) -> str:

@@ -51,6 +51,11 @@ class Context:
                 self._answers.popitem(last=False)
         return result
 
+    def remembered(self, task: str, payload: dict[str, Any]) -> Any:
+        """A short task's result where it was asked for before, else None."""
+        with self._lock:
+            return self._answers.get(question_key(task, payload))
+
     def model(self, model_id: str) -> ModelRow:
         """One model; 404 where there is none."""
         return found(self.store.model(model_id), f"no model {model_id!r}")

@@ -12,12 +12,12 @@ from pydantic import Field
 from starlette.concurrency import run_in_threadpool
 from starlette.responses import StreamingResponse
 
-from app.api.context import Ctx, question_key
+from app.api.context import Context, Ctx, question_key
 from app.api.problems import documented, problem_responses
 from app.failure import problem
 from app.meshoptions import asked, split_joints
 from app.schemas import MeshAnswer, Problem, Schema
-from app.store import FINISHED, JobRow
+from app.store import FINISHED, JobRow, ModelRow
 from kernel.deck.deck import format_for, formats
 from kernel.units import unit_set
 
@@ -145,7 +145,15 @@ def create_mesh(
     # checked here already, so that what is wrong is refused before it is queued
     couplings, tees = split_joints(wanted.joints)
     options = {**asked(wanted), "joint_tees": tees}
-    about = {**context.text_payload(model), "material": wanted.material, "units": units.name, "options": options}
+    about = {
+        **context.text_payload(model),
+        "material": wanted.material,
+        "units": units.name,
+        "options": options,
+        "only": wanted.only,
+        "joints": sorted(couplings),
+        "known": _known_ids(context, model, wanted),
+    }
     context.ask("mesh_names", about)
     payload = {
         **context.model_payload(model, wanted.rulebase, wanted.units, wanted.gap),
@@ -161,6 +169,18 @@ def create_mesh(
     job = context.jobs.submit(model.id, question_key("mesh", payload), payload)
     response.headers["Location"] = f"/v1/jobs/{job.id}"
     return job_resource(job)
+
+
+def _known_ids(context: Context, model: ModelRow, wanted: MeshRequest) -> tuple[list[str], list[str]] | None:
+    """Ids of segments and joints where somebody has asked for the model's segments as they stand, else None.
+
+    A model is not classified for it: that takes as long as it takes, and the job does it anyway.
+    """
+    digests = context.remembered("classify", context.model_payload(model, wanted.rulebase, gap=wanted.gap))
+    if digests is None:
+        return None
+    answer = json.loads(context.artifacts.get(digests["answer"]))
+    return [segment["id"] for segment in answer["segments"]], [joint["id"] for joint in answer["joints"]]
 
 
 @router.get(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,11 +13,11 @@ from kernel.errors import OptionError
 from kernel.segment.addresses import check_addresses
 
 
-def check_curve_names(texts: Iterable[str], root: CsgNode, what: str) -> None:
-    """OptionError for a text whose nodes the model does not have; segments are known only later."""
+def check_curve_names(texts: Iterable[str], root: CsgNode, what: str, ids: Sequence[str] | None = None) -> None:
+    """OptionError for a text whose nodes the model does not have. ids: of the segments, None before they are known."""
     for text in texts:
         if point_of(text, f"{what} of {text!r}") is None:
-            check_addresses([part.strip() for part in text.split("&")], root, what)
+            check_addresses([part.strip() for part in text.split("&")], root, what, ids)
 
 
 def point_of(text: str, what: str) -> NDArray[np.float64] | None:

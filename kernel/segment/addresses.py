@@ -96,8 +96,11 @@ def node_of(address: str, root: CsgNode, what: str, ids: Sequence[str] = ()) -> 
         raise OptionError(f"{what}: {error.message}{segments}") from error
 
 
-def check_addresses(addresses: Iterable[str], root: CsgNode, what: str) -> None:
-    """OptionError for an address that the model's text already shows to be of nothing; ids of segments come later."""
+def check_addresses(addresses: Iterable[str], root: CsgNode, what: str, ids: Sequence[str] | None = None) -> None:
+    """OptionError for an address that is already known to be of nothing. ids: of the segments, None before they are
+    known: then whatever looks like one passes.
+    """
     for address in addresses:
-        if not _SEGMENT_ID.fullmatch(address):
-            node_of(address, root, f"{what} of {address!r}")
+        is_segment = _SEGMENT_ID.fullmatch(address) is not None if ids is None else address in ids
+        if not is_segment:
+            node_of(address, root, f"{what} of {address!r}", ids or ())

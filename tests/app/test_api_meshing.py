@@ -234,13 +234,6 @@ def test_a_request_has_every_option_of_a_mesh():
     assert set(ASKED) <= set(MeshRequest.model_fields)
 
 
-def test_a_size_of_a_segment_that_there_is_none_of_fails_the_job(client, table):
-    job = client.post(f"/v1/models/{table}/meshes", json={"sizes": {"s77": 40}}).headers["location"]
-    with client.stream("GET", f"{job}/events") as stream:
-        assert list(stream.iter_lines())
-    assert "size of 's77': no node 's77'" in client.get(job).json()["problem"]["detail"]
-
-
 @pytest.mark.parametrize(
     "body, complaint",
     [
@@ -255,6 +248,9 @@ def test_a_size_of_a_segment_that_there_is_none_of_fails_the_job(client, table):
         ({"seeds": {"0&LID": 8}}, "seeds of 'LID': no node 'LID' in the model"),
         ({"seeds": {"0": 2.5}}, "2.5"),
         ({"seeds": {"0": 0}}, "seeds of '0' is 0, expected a whole number from 1"),
+        ({"only": ["LID"]}, "only of 'LID': no node 'LID' in the model"),
+        ({"joints": {"LID": "rigid"}}, "no joint 'LID'"),
+        ({"joints": {"LID": "arms"}}, "no joint 'LID'"),
         ({"growth": 1}, "growth is 1, expected a ratio above 1, such as 1.2"),
         ({"per_circle": 2}, "per_circle is 2, expected a whole number from 4"),
         ({"layers": 0}, "layers is 0, expected a whole number from 1"),
@@ -267,6 +263,34 @@ def test_a_size_of_a_segment_that_there_is_none_of_fails_the_job(client, table):
 def test_a_wrong_request_is_refused_before_it_is_queued(client, table, body, complaint):
     answer = client.post(f"/v1/models/{table}/meshes", json=body)
     assert answer.status_code == 422 and complaint in answer.json()["detail"]
+
+
+@pytest.mark.parametrize(
+    "body, complaint",
+    [
+        ({"only": ["s9"]}, "only of 's9': no node 's9' in the model"),
+        ({"sizes": {"s9": 5}}, "or a segment from s1 to s"),
+        ({"seeds": {"s1&s9": 4}}, "or a segment from s1 to s"),
+        ({"joints": {"j99": "rigid"}}, "no joint 'j99' in the model, expected one of j1, j2"),
+        ({"joints": {"j99": "arms"}}, "no joint 'j99' in the model, expected one of j1, j2"),
+        ({"joints": {"j99": "apart"}}, "no joint 'j99' in the model, expected one of j1, j2"),
+    ],
+)
+def test_ids_of_no_segment_and_no_joint_are_refused_before_they_are_queued_once_the_model_is_classified(
+    client, body, complaint
+):
+    name = "".join(letter for letter in json.dumps(body) if letter.isalnum())
+    own = send(client, TABLE, f"{name}.csg")
+    unknown = client.post(f"/v1/models/{own}/meshes", json={**body, "size": 60})
+    assert unknown.status_code == 202  # nobody knows its segments yet: the job says the same
+    with client.stream("GET", f"{unknown.headers['location']}/events") as stream:
+        assert list(stream.iter_lines())
+    job = client.get(unknown.headers["location"]).json()
+    assert job["problem"]["status"] == 422
+    assert client.get(f"/v1/models/{own}/segments").status_code == 200
+    answer = client.post(f"/v1/models/{own}/meshes", json=body)
+    assert answer.status_code == 422 and complaint in answer.json()["detail"]
+    assert client.post(f"/v1/models/{own}/meshes", json={"only": ["s1"], "size": 60}).status_code == 202
 
 
 def test_a_cancelled_job_stays_cancelled_and_the_next_one_is_done(client, table):
