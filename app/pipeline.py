@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from kernel.connect.checks import Checks
     from kernel.connect.joints import Joint
     from kernel.connect.model import Model
-    from kernel.idealise.members import Assembly
+    from kernel.mesh.assembly import Assembly
     from kernel.segment.partition import Partition
     from kernel.solid.evaluate import Evaluated
     from rules.engine import RuleBase

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from kernel.connect.bodies import Bodies
 from kernel.errors import ConnectError
-from kernel.idealise.members import Tie
+from kernel.mesh.assembly import Tie
 
 Array = NDArray[np.float64]
 

@@ -20,7 +20,7 @@ from kernel.segment.addresses import by_segment, is_under
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from kernel.idealise.members import Assembly
+    from kernel.mesh.assembly import Assembly
     from kernel.segment.segments import Segment
     from kernel.solid.evaluate import Evaluated
     from kernel.units import UnitSet

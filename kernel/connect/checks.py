@@ -17,7 +17,8 @@ from kernel.connect.reference import Reference, reference_of
 from kernel.units import VERTEX_TOLERANCE
 
 if TYPE_CHECKING:
-    from kernel.idealise.members import Assembly, LedgerRow
+    from kernel.idealise.ledger_row import LedgerRow
+    from kernel.mesh.assembly import Assembly
     from kernel.solid.evaluate import Evaluated
 
 RIGID_MOTION_TOLERANCE = 1e-9

@@ -19,9 +19,9 @@ from kernel.connect.equations import Expression, Freedom, average_matrices, cros
 from kernel.connect.model import Coupling, Mpc, Rbe2, Rbe3
 from kernel.connect.work import BeamFrame, beam_frames, patch_faces, warping_of, work_matrix
 from kernel.errors import ConnectError, OptionError
-from kernel.idealise.members import Tie
 from kernel.idealise.section import SectionProperties
 from kernel.idealise.torsion import Warping
+from kernel.mesh.assembly import Tie
 from kernel.mesh.elements import ELEMENT_KINDS
 from kernel.mesh.mesh import Mesh
 

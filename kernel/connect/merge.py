@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from kernel.connect.audit import near_pairs
 from kernel.connect.bodies import Bodies
 from kernel.errors import ConnectError
-from kernel.idealise.members import Tie
+from kernel.mesh.assembly import Tie
 from kernel.mesh.elements import ELEMENT_KINDS
 from kernel.mesh.mesh import ElementBlock, Mesh
 from kernel.mesh.shapes import family, shape_derivatives, shape_values

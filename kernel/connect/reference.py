@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 
 from kernel.connect.audit import connected_components
 from kernel.connect.mass import Moments, block_moments, solid_moments, total
-from kernel.idealise.members import Assembly, LedgerRow
+from kernel.idealise.ledger_row import LedgerRow
+from kernel.mesh.assembly import Assembly
 from kernel.mesh.elements import ELEMENT_KINDS
 
 if TYPE_CHECKING:
@@ -29,7 +30,7 @@ class Reference:
     """size: of the model, for tolerances. solid: volume moments (density 1) of what the model stands for.
 
     pieces: in how many the model is to be, as `pieces_of` is. solids: the same moments by segment id, where they are
-    known: a part of the model can then be checked too. curve_uses, arms: as in members.Assembly.
+    known: a part of the model can then be checked too. curve_uses, arms: as in assembly.Assembly.
     may_coincide: segments were meshed apart and are not connected yet, so that their nodes may lie on one another.
     """
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from kernel.errors import MeshError, OptionError
 from kernel.idealise.section import SectionProperties, section_properties
-from kernel.mesh.shares import shared_out
+from kernel.idealise.shares import shared_out
 from kernel.segment.segments import BeamShape, Segment
 
 Array = NDArray[np.float64]

@@ -17,7 +17,7 @@ from kernel.idealise.askew import is_filled, own_edge
 from kernel.idealise.carriers import Circle, Line
 from kernel.idealise.closed_forms import Row, closed_forms, strip_area
 from kernel.idealise.crossings import Crossing
-from kernel.idealise.members import BALANCE, JOINT, SHAPE, UNEXPLAINED, LedgerRow
+from kernel.idealise.ledger_row import BALANCE, JOINT, SHAPE, UNEXPLAINED, LedgerRow
 from kernel.idealise.outlines import Stretch, unwrapped
 from kernel.idealise.parts import Parts
 from kernel.idealise.sheets import PlaneSheet, Sheet

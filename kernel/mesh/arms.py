@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from kernel.errors import DefectError
 from kernel.idealise.arm_cuts import SAME, Hanging, Pair
 from kernel.idealise.arms import Arm
-from kernel.idealise.members import Tie
 from kernel.idealise.topology import Curve, Topology
+from kernel.mesh.assembly import Tie
 from kernel.mesh.mesh import Mesh
 from kernel.mesh.order import middle_nodes
 

@@ -21,13 +21,13 @@ from kernel.idealise.crossings import find_crossings
 from kernel.idealise.footprints import cut_edges, footprint_candidates, lap_candidates, seats
 from kernel.idealise.imprints import crossing_candidates, imprint, lay_outlines, outline_candidates
 from kernel.idealise.ledger import unexplained, volume_ledger
-from kernel.idealise.members import Assembly
 from kernel.idealise.parts import Parts
 from kernel.idealise.regions import join_walls
 from kernel.idealise.topology import BOUNDARY, Curve, Topology
 from kernel.idealise.walls import corner_material, make_wall
 from kernel.mesh.apart import count_pieces, faces_apart, half_apart, joined_tees, lost_arms, torn, wanted_apart
 from kernel.mesh.arms import arm_rows, arm_ties, hung_curves
+from kernel.mesh.assembly import Assembly
 from kernel.mesh.beam_ties import beam_stations
 from kernel.mesh.beams import mesh_beams
 from kernel.mesh.bricks import mesh_bricks

@@ -12,10 +12,10 @@ from kernel.connect.joints import Joint
 from kernel.errors import ConnectError
 from kernel.idealise.beam import Beam
 from kernel.idealise.footprints import footprint, is_on_face
-from kernel.idealise.members import Tie
 from kernel.idealise.outlines import even_odd, ring_points
 from kernel.idealise.parts import Parts
 from kernel.idealise.walls import Wall, patch_points
+from kernel.mesh.assembly import Tie
 from kernel.mesh.faces import FaceMesh
 from kernel.mesh.meshed import Meshed, average, edge_nodes
 from kernel.mesh.patches import corner_areas

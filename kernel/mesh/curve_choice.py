@@ -22,12 +22,12 @@ from numpy.typing import NDArray
 from kernel.csg.tree import CsgNode, walk
 from kernel.errors import OptionError
 from kernel.idealise.parts import Parts
+from kernel.idealise.shares import shared_out
 from kernel.idealise.topology import Curve
 from kernel.mesh.curve_items import WALLS, AnyItem, CurveItem, StraightItem, items_of, on_surfaces
 from kernel.mesh.curve_names import point_of
 from kernel.mesh.options import MOST_COUNTED, MeshOptions
 from kernel.mesh.seeding import CurveWish
-from kernel.mesh.shares import shared_out
 from kernel.places import place_text
 from kernel.segment.addresses import depth, is_under, node_of, segments_of
 from kernel.solid.solid import Solid

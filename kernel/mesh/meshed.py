@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 from kernel.connect.joints import Joint
 from kernel.errors import ConnectError
 from kernel.idealise.footprints import edge_carriers
-from kernel.idealise.members import Tie
 from kernel.idealise.parts import Parts
 from kernel.idealise.walls import Wall, patch_points
+from kernel.mesh.assembly import Tie
 from kernel.mesh.beams import SeatedNode
 from kernel.mesh.bricks import BrickMesh, outer_faces
 from kernel.mesh.faces import CurvesByFace, FaceMesh

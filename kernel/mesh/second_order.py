@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kernel.idealise.implicit import project
-from kernel.idealise.members import Tie
 from kernel.idealise.parts import Parts
 from kernel.idealise.sheets import CylinderSheet
+from kernel.mesh.assembly import Tie
 from kernel.mesh.bricks import BrickMesh
 from kernel.mesh.faces import FaceMesh, SeededCurve, curve_middles
 from kernel.mesh.mesh import Mesh

@@ -16,8 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kernel.errors import MeshError, OptionError
+from kernel.idealise.shares import shared_out
 from kernel.mesh.region import RegionMesh
-from kernel.mesh.shares import shared_out
 
 
 class UnfitSweep(MeshError):

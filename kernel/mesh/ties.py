@@ -9,9 +9,9 @@ from numpy.typing import NDArray
 from kernel.connect.joints import Joint
 from kernel.errors import ConnectError
 from kernel.idealise.footprints import edge_carriers, is_on_face
-from kernel.idealise.members import Tie
 from kernel.idealise.parts import Parts
 from kernel.idealise.walls import Wall
+from kernel.mesh.assembly import Tie
 from kernel.mesh.beam_ties import beam_on_beam, beam_on_brick, beam_on_wall
 from kernel.mesh.meshed import Meshed, average, edge_nodes
 from kernel.mesh.patches import SurfaceFaces, host_of

@@ -12,9 +12,9 @@ from kernel.connect.checks import check_model
 from kernel.connect.model import Mpc, Rbe2, Rbe3
 from kernel.csg.reader import read_model
 from kernel.errors import OptionError
-from kernel.idealise.members import Assembly
 from kernel.materials import choose_material
 from kernel.mesh.assemble import assemble
+from kernel.mesh.assembly import Assembly
 from kernel.mesh.options import MeshOptions
 from kernel.units import unit_set
 

@@ -13,7 +13,7 @@ from kernel.connect.couplings import make_couplings, nodes_with_rotations
 from kernel.connect.equations import average_matrices, rigid_motion_error
 from kernel.connect.model import Mpc, Rbe2, Rbe3
 from kernel.errors import ConnectError, OptionError
-from kernel.idealise.members import Tie
+from kernel.mesh.assembly import Tie
 from kernel.mesh.mesh import ElementBlock, Mesh
 
 JOINED = [

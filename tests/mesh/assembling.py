@@ -9,8 +9,8 @@ from solids import cube, difference, extrusion, placed, rod, tube, turned, union
 
 from kernel.connect.contacts import find_joints
 from kernel.csg.reader import read_model
-from kernel.idealise.members import Assembly
 from kernel.mesh.assemble import assemble
+from kernel.mesh.assembly import Assembly
 from kernel.mesh.options import MeshOptions
 from kernel.plan import Override
 from kernel.segment.partition import partition

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from shapely import Polygon
 from test_assemble_joints import JOINTS
 
-from kernel.idealise.members import JOINT
+from kernel.idealise.ledger_row import JOINT
 
 ROUNDING = 1e-7
 """Share of the volume that vertices off by their tolerance make: not explained, and not to be."""

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from assembling import assembled
 
-from kernel.idealise.members import Assembly
+from kernel.mesh.assembly import Assembly
 from kernel.mesh.elements import ELEMENT_KINDS
 from kernel.mesh.quality import refuse_inverted
 from kernel.mesh.shapes import integration_rule, jacobians

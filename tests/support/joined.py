@@ -8,7 +8,7 @@ from shapely import box
 
 from kernel.connect.couplings import make_couplings
 from kernel.connect.model import Model, Property
-from kernel.idealise.members import Tie
+from kernel.mesh.assembly import Tie
 from kernel.mesh.mesh import ElementBlock, Mesh
 
 

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kernel.connect.joints import Joint
+from kernel.idealise.ledger_row import LedgerRow
 from kernel.idealise.section import SectionProperties
 from kernel.mesh.mesh import Mesh
 from kernel.mesh.size_field import Sizes
@@ -41,27 +42,6 @@ class Tie:
     host_weights: tuple[NDArray[np.float64], ...] = ()
     has_rotations: bool = True
     """The dependent nodes have rotations to be tied (beam and shell nodes; not nodes of solids only)."""
-
-
-JOINT, SHAPE, UNEXPLAINED, BALANCE = "joint", "shape", "unexplained", "balance"
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class LedgerRow:
-    """Volume that the idealised model counts more (+) or less (-) often than the solid has it, and why.
-
-    kind: "joint" (walls that meet, in closed form), "shape" (a segment's own shape is not its idealised one),
-    "unexplained" (joints of which no closed form is known), "balance" (volume 0: what the walls of a joint count of one
-    another's material, which matters where one of them is taken away).
-    shares: what each segment's own elements count of it, by segment id; they add up to the volume. Empty where the row
-    is of the solid as a whole.
-    """
-
-    segments: tuple[str, ...]
-    cause: str
-    volume: float
-    shares: Mapping[str, float]
-    kind: str
 
 
 @dataclass(frozen=True, slots=True, eq=False)
