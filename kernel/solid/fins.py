@@ -1,4 +1,5 @@
-"""Fins: sheets of no thickness that Booleans of skew bodies leave where two of their faces lie in one plane.
+"""Fins: sheets of no thickness that Booleans of skew bodies leave where two of their faces lie in one plane, or two of
+their facets do on one curved surface.
 
 Rounding puts one of the two faces a hair outside the other, and what is cut away leaves its side face standing, front
 and back. Seen in the plane, front and back cancel: the face is what its outline encloses once both are summed.
@@ -19,7 +20,7 @@ from numpy.typing import NDArray
 from kernel.pieces import connected_pieces
 from kernel.solid.facets import Facets, edge_neighbours
 from kernel.solid.solid import Solid
-from kernel.solid.surfaces import Plane
+from kernel.solid.surfaces import Plane, PlaneFrame, plane_frame
 from kernel.solid.tracked import NotSolidError, check_status
 
 Indices = NDArray[np.int64]
@@ -30,6 +31,10 @@ ROUNDING = 0.01
 NO_VOLUME = 1e-9
 """Share of the solid's volume that its fins may have: a fold that has more is no fin."""
 
+LEVEL = 1 - 1e-7
+"""Facets of a curved surface lie in one plane when the cosine between their normals is more than this, or less than its
+negative."""
+
 MOST_ROUNDS = 4
 """Times that fins are looked for."""
 
@@ -38,7 +43,7 @@ MOST_PASSES = 50
 
 
 def without_fins(solid: Solid) -> Solid:
-    """The solid less its fins in planes; the very solid where it has none, or where none can be taken off cleanly."""
+    """The solid less its fins; the very solid where it has none, or where none can be taken off cleanly."""
     for _ in range(MOST_ROUNDS):
         less = solid if solid.is_empty else _less_fins(solid)
         if less is solid:
@@ -72,23 +77,45 @@ def _less_fins(solid: Solid) -> Solid:
     return rebuilt or solid
 
 
-def _folded(solid: Solid) -> list[tuple[Indices, Plane]]:
-    """Connected triangles of one plane that look both ways."""
+def _folded(solid: Solid) -> list[tuple[Indices, PlaneFrame]]:
+    """Connected triangles of one plane that look both ways, with a frame of that plane.
+
+    A curved surface is as many planes as it has facets.
+    """
     facets, table = solid.facets, solid.surfaces
     found = []
     for number in np.unique(facets.surface).tolist():
-        plane = table.surfaces[number] if 0 <= number < len(table.surfaces) else None
-        if not isinstance(plane, Plane):
-            continue
+        surface = table.surfaces[number] if 0 <= number < len(table.surfaces) else None
         own = np.flatnonzero(facets.surface == number)
-        side = facets.normals[own] @ plane.normal
-        if not ((side > 0).any() and (side < 0).any()):
+        if isinstance(surface, Plane):
+            side = facets.normals[own] @ surface.normal
+            if not ((side > 0).any() and (side < 0).any()):
+                continue
+            groups = _connected(facets.neighbours[own], own)
+        elif surface is not None:
+            groups = _level(facets, own)
+        else:
             continue
-        for group in _connected(facets.neighbours[own], own):
-            side = facets.normals[group] @ plane.normal
+        for group in groups:
+            largest = facets.normals[group[int(np.argmax(facets.areas[group]))]]
+            if not largest.any():
+                continue  # facets without any area
+            frame = plane_frame(surface.normal if isinstance(surface, Plane) else largest)
+            side = facets.normals[group] @ frame.normal
             if (side > 0).any() and (side < 0).any():
-                found.append((group, plane))
+                found.append((group, frame))
     return found
+
+
+def _level(facets: Facets, own: Indices) -> list[Indices]:
+    """The triangles `own` of a curved surface in groups that share edges and lie in one plane; none without a fold."""
+    across = facets.neighbours[own]
+    is_own = np.zeros(len(facets.triangles) + 1, dtype=bool)
+    is_own[own] = True
+    turned = np.einsum("nkc,nc->nk", facets.normals[across], facets.normals[own])
+    if not (is_own[across] & (across >= 0) & (turned < -LEVEL)).any():
+        return []
+    return _connected(np.where(np.abs(turned) > LEVEL, across, -1), own)
 
 
 def _connected(neighbours: Indices, own: Indices) -> list[Indices]:
@@ -100,7 +127,7 @@ def _connected(neighbours: Indices, own: Indices) -> list[Indices]:
     return [own[labels == label] for label in np.unique(labels)]
 
 
-def _retriangulated(facets: Facets, triangles: Indices, plane: Plane) -> Indices | None:
+def _retriangulated(facets: Facets, triangles: Indices, plane: PlaneFrame) -> Indices | None:
     """Triangles (k, 3) within the outline of the sum of `triangles`; None where that outline does not close."""
     inside = np.zeros(len(facets.triangles), dtype=bool)
     inside[triangles] = True
@@ -159,6 +186,8 @@ def _fitted(
     owners = rows[wide].tolist()
     for _ in range(MOST_PASSES):
         lone = _lone_edges(triangles)
+        if not triangles:
+            return None  # all of it is fins
         if not lone:
             return np.array(triangles, dtype=np.int64), np.array(owners, dtype=np.int64)
         known = np.array(sorted({vertex for edge in lone for vertex in edge}))

@@ -5,7 +5,7 @@ from __future__ import annotations
 from catalogue_beams import SHEET
 from catalogue_tubes import PIPE
 from joined_model import Joined
-from solids import cube, difference, placed, rod, turned, union
+from solids import cube, difference, placed, rod, tube, turned, union
 
 BRICKS = {
     "brick over a plate's edge": Joined(union(SHEET, cube(80, 80, 60, (260, 110, 10))), "face", "brick plate"),
@@ -54,6 +54,9 @@ BRICKS = {
     "round boss on a plate": Joined(union(SHEET, rod(60, 35, (150, 150, 10))), "face", "brick plate"),
     "drilled boss on a drilled plate": Joined(
         difference(union(SHEET, rod(60, 50, (150, 150, 10))), rod(100, 20, (150, 150, -5))), "face", "brick plate"
+    ),
+    "lug against the inside of a rim": Joined(
+        union(tube(40, 200, 190), cube(80, 20, 10, (110.5, -10, 15))), "face", "brick cylinder_plate", size=10.0
     ),
     "pipe on a brick": Joined(union(cube(200, 200, 80, (-100, -100, -80)), PIPE), "face", "brick cylinder_plate"),
     "ball on a rod": Joined(
