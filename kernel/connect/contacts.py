@@ -163,7 +163,10 @@ def _kind(
         return "end_on" if any(abs(beam.direction @ normal) > least for beam in beams) else "along"
     if any(isinstance(segment.shape, BrickShape) for segment in pair):
         return "face"
-    if any(isinstance(segment.shape, CylinderShape) for segment in pair):
+    tubes = [segment.shape for segment in pair if isinstance(segment.shape, CylinderShape)]
+    if len(tubes) == 2 and all(surface in tube.surface_ids for surface, tube in zip(surfaces, tubes)):
+        return "lap"  # one tube around the other
+    if tubes:
         return "pipe"
     return _wall_kind(pair, surfaces, centre, middles)
 

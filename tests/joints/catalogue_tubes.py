@@ -107,6 +107,11 @@ TUBES = {
     "pipe sunk into a plate": Joined(
         union(cube(240, 200, 8, (-120, 0, -62)), placed(PIPE, turn=turned("x", -90))), "pipe", "cylinder_plate plate"
     ),
+    "sleeve on a pipe": Joined(union(PIPE, tube(80, 64, 60, (0, 0, 60))), "lap", "cylinder_plate cylinder_plate"),
+    "pipe that slides out of another": Joined(
+        union(PIPE, tube(200, 56, 52, (0, 0, 120))), "lap", "cylinder_plate cylinder_plate"
+    ),
+    "saddle on a pipe": Joined(union(PIPE, half(tube(80, 64, 60, (0, 0, 60)))), "lap", "cylinder_plate cylinder_plate"),
     "diaphragm": Joined(union(PIPE, rod(6, 56, (0, 0, 97))), "pipe", "cylinder_plate plate"),
     "half diaphragm": Joined(union(PIPE, half(rod(6, 56, (0, 0, 97)))), "pipe", "cylinder_plate plate"),
     "plate through a pipe": Joined(union(PIPE, cube(200, 6, 100, (-100, -3, 50))), "pipe", "cylinder_plate plate"),
