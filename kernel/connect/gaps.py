@@ -17,6 +17,7 @@ import numpy as np
 import shapely
 
 from kernel.connect.joints import Joint
+from kernel.connect.parallels import carried, levels
 from kernel.connect.sides import FaceSide, patch_of, sides_of
 from kernel.errors import OptionError
 from kernel.segment.faces import Faces, Region, faces_of
@@ -95,17 +96,16 @@ def _facing(
     rows: Sequence[FaceSide], surfaces: Sequence[Surface], tolerance: float, reach: float
 ) -> Iterator[tuple[FaceSide, FaceSide, float]]:
     """Pairs of faces of different segments that look at one another over a gap up to `reach`."""
-    groups: dict[tuple[object, ...], list[tuple[float, FaceSide]]] = {}
+    groups: dict[tuple[str, int], list[tuple[float, int, FaceSide]]] = {}
+    for level in levels(rows, surfaces):
+        groups.setdefault(("plane", level.group), []).append((level.at, level.side, level.row))
     for row in rows:
         surface = surfaces[row.surface]
-        if isinstance(surface, Plane):
-            key: tuple[object, ...] = ("plane", *(np.round(surface.normal, 6) + 0.0).tolist())
-            groups.setdefault(key, []).append((surface.offset, row))
-        elif isinstance(surface, CylinderSurface):
-            groups.setdefault(("cylinder", surface.axis_id), []).append((surface.radius, row))
+        if isinstance(surface, CylinderSurface):
+            groups.setdefault(("cylinder", surface.axis_id), []).append((surface.radius, row.side, row))
     for group in groups.values():
-        out = [(at, row) for at, row in group if row.side > 0]
-        back = sorted(((at, row) for at, row in group if row.side < 0), key=lambda item: item[0])
+        out = [(at, row) for at, side, row in group if side > 0]
+        back = sorted(((at, row) for at, side, row in group if side < 0), key=lambda item: item[0])
         places = [at for at, _ in back]
         for at, row in out:
             for place in range(bisect_right(places, at + tolerance), bisect_right(places, at + reach)):
@@ -124,8 +124,9 @@ def _opposite(
     if isinstance(first, CylinderSurface) and isinstance(second, CylinderSurface):
         common = one.intersection(_scaled(other, first.radius / second.radius))
         return common, _scaled(common, second.radius / first.radius)
-    common = one.intersection(other)
-    return common, common
+    assert isinstance(first, Plane) and isinstance(second, Plane)
+    common = one.intersection(carried(other, second, first))
+    return common, carried(common, first, second)
 
 
 def _scaled(region: Region, factor: float) -> Region:

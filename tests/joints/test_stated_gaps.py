@@ -6,6 +6,7 @@ import re
 
 import numpy as np
 import pytest
+import shapely
 from solids import cube, placed, rod, tube, union
 from test_catalogue import any_turn
 from verification.solvers import run_mystran
@@ -13,10 +14,13 @@ from weighing import holding_nodes
 
 from app.pipeline import classify, mesh
 from kernel.connect.gaps import near_misses
+from kernel.connect.parallels import carried, levels
+from kernel.connect.sides import FaceSide
 from kernel.csg.reader import read_model
 from kernel.deck.nastran import nastran_self_weight
 from kernel.errors import OptionError
 from kernel.mesh.options import MeshOptions
+from kernel.solid.surfaces import Plane, plane_frame
 
 GAP = 0.15
 APART = {
@@ -84,3 +88,24 @@ def test_a_gap_wider_than_the_stated_one_stays_open():
 def test_a_gap_that_swallows_a_wall_is_refused(gap):
     with pytest.raises(OptionError, match=r"gap is .*, (expected 0 or more|but s2 is only 8 thick)"):
         classified_of(APART["tee"][0], gap=gap)
+
+
+def test_planes_on_both_sides_of_a_rounding_boundary_are_parallel():
+    normals = [np.array([0.6000005 + shift, 0.0, 0.0]) for shift in (-1e-9, 1e-9)]
+    normals = [normal + (0, 0, np.sqrt(1 - normal @ normal)) for normal in normals]
+    tilted = np.array([np.sin(np.arcsin(0.6000005) + 1e-3), 0.0, 0.0])
+    planes = []
+    for normal, offset in (
+        (normals[0], 5.0),
+        (-normals[1], -5.1),
+        (tilted + (0, 0, np.sqrt(1 - tilted @ tilted)), 5.0),
+    ):
+        frame = plane_frame(normal)
+        planes.append(Plane(frame.normal, offset, frame.u, frame.v))
+    box = np.array([(0.0, 0.0, 0.0), (10.0, 10.0, 5.0)])
+    one, other, third = levels([FaceSide(k, k, 1, box) for k in range(3)], planes)
+    assert one.group == other.group != third.group
+    assert one.side == -other.side
+    assert one.side * (other.at - one.at) == pytest.approx(0.1, abs=1e-6)
+    square = shapely.box(1, 2, 3, 5)
+    assert carried(carried(square, planes[0], planes[1]), planes[1], planes[0]).equals_exact(square, 1e-6)
