@@ -17,6 +17,7 @@ from app import cli_edits, cli_mesh, cli_rules, texts
 from app.cli_arguments import GapOption, JsonOption, ModelArgument, OverrideOption, RulesOption, UnitsOption, overrides
 from app.output import check_writable, write_files
 from kernel.errors import CsgmeshError
+from kernel.numeric.notice import when_compiling
 
 if TYPE_CHECKING:
     from app.pipeline import Classified
@@ -162,6 +163,7 @@ def serve(
 def main() -> None:
     """The console script."""
     signal.signal(signal.SIGTERM, _stop)
+    when_compiling(_say_compiling)
     sys.exit(run(sys.argv[1:]))
 
 
@@ -203,6 +205,11 @@ def _defect(error: Exception) -> int:
 def _fail(message: str, status: int) -> int:
     sys.stderr.write(f"error: {' '.join(message.split())}\n")
     return status
+
+
+def _say_compiling() -> None:
+    sys.stderr.write("compiling the meshers' kernels, once on this machine: up to half a minute\n")
+    sys.stderr.flush()
 
 
 def _stop(_signal: int, _frame: object) -> NoReturn:

@@ -69,7 +69,10 @@ def mesh(
     order: Annotated[int, typer.Option(help="1: corner nodes only, 2: mid-side nodes too.")] = 1,
     faces: Annotated[str, typer.Option(help="Shells of: quad, tri.")] = "quad",
     volumes: Annotated[
-        str, typer.Option(help="Bricks of: auto (hexes where they can be swept, else tets), hex (or refuse), tet.")
+        str,
+        typer.Option(
+            help="Bricks of: auto (hexes where they can be swept or turned, else tets), hex (or refuse), tet."
+        ),
     ] = "auto",
     units: UnitsOption = None,
     rules: RulesOption = None,

@@ -75,7 +75,7 @@ def build_model(
         materials={each.name: each for each in chosen.values()},
         couplings=coupled.couplings,
         sets=_sets(csg, assembly.segments, mesh),
-        notes=(*assembly.warnings, *coupled.notes),
+        notes=(*assembly.warnings, *_lost_couplings(by_joint, assembly), *coupled.notes),
     )
 
 
@@ -149,6 +149,16 @@ def _by_joint(wanted: Mapping[str, str], assembly: Assembly) -> Mapping[str, str
         if joint not in known:
             raise OptionError(f"no joint {joint!r} in the model, expected one of {', '.join(known) or 'none'}")
     return wanted
+
+
+def _lost_couplings(wanted: Mapping[str, str], assembly: Assembly) -> list[str]:
+    """A line where couplings are asked of joints that are apart."""
+    lost = [f"{joint} ({kind})" for joint, kind in wanted.items() if joint in assembly.apart]
+    if not lost:
+        return []
+    return [
+        f"{', '.join(lost)}: no coupling, for what meets there is meshed apart; expected a coupling or apart, not both"
+    ]
 
 
 def _sets(csg: CsgModel, segments: Sequence[Segment], mesh: Mesh) -> tuple[NamedSet, ...]:

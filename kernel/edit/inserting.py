@@ -32,6 +32,9 @@ AT_PLACE = 1e-6
 BULGE = 0.1
 """Chords of elements leave a cylinder by less than this share of the elements' size."""
 
+STAYS = 1e-14
+"""A place that moves by no more than this share of the model's size, or of its coordinates, stays where it is."""
+
 TOO_NEAR = 0.05
 """A place nearer to a curve than this share of its edge would leave no room for an element between them."""
 
@@ -185,7 +188,7 @@ def _on_curve(work: Workpiece, edge: Edge, share: float, on: Array, place: Array
     fits = {name: surface_of(work, name, place) for name, kind in segments.items() if not kind.startswith("line")}
     line, numbers = _line_of(work, edge)
     halves = shape_values(line, np.array([[share - 1], [share]])) @ work.nodes[numbers]
-    on = _onto(list(fits.values()), on)
+    on = _onto(list(fits.values()), on, work.reference.size)
     _refuse_off(place, on, reach, "the curve")
     node = int(work.add_nodes(on[None])[0])
     if middle is not None:
@@ -207,12 +210,12 @@ def _on_curve(work: Workpiece, edge: Edge, share: float, on: Array, place: Array
     return node, f"the curve of {' and '.join(segments)}{told}"
 
 
-def _onto(fits: list[Fitted], place: Array) -> Array:
-    """A place brought onto all surfaces, one after the other until it stays."""
+def _onto(fits: list[Fitted], place: Array, size: float) -> Array:
+    """A place brought onto all surfaces, one after the other until it stays. size: of the model."""
     for _ in range(50):
         before = place
         for fitted in fits:
             place = fitted.lift(fitted.flat(place[None]))[0]
-        if np.linalg.norm(place - before) <= 1e-14 * max(1.0, float(np.abs(place).max())):
+        if np.linalg.norm(place - before) <= STAYS * max(size, float(np.abs(place).max())):
             break
     return place

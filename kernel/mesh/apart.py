@@ -85,8 +85,8 @@ def lost_arms(
         return []
     more = f" and {len(lost) - SHOWN} more" if len(lost) > SHOWN else ""
     return [
-        f"{', '.join(lost[:SHOWN])}{more}: no arms, for nothing hangs from what is meshed apart; walls are carried on "
-        "to one another's mid-surfaces there"
+        f"{', '.join(lost[:SHOWN])}{more}: no arms, for nothing hangs across what is meshed apart (--apart, "
+        "--joint JOINT=apart); mid-surfaces are carried on to one another there, expected arms or apart, not both"
     ]
 
 

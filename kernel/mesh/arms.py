@@ -124,7 +124,7 @@ def arm_ties(mesh: Mesh, rows: Indices, hung: Sequence[HungCurve], nodes: Sequen
     joints = [one.arm.joint for one in hung for _ in nodes[one.edge][1:]]
     middles = middle_nodes(mesh) if len(rows) else {}
     ties: dict[tuple[int, int], Tie] = {}
-    for (a, b, from_a, from_b), joint in zip(rows.tolist(), joints):
+    for (a, b, from_a, from_b), joint in zip(rows.tolist(), joints, strict=True):
         pairs = [(a, from_a), (b, from_b)]
         edge = (min(a, b), max(a, b))
         if edge in middles:

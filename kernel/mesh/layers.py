@@ -1,4 +1,4 @@
-"""Layers through bricks: how thin a body is, what size of tetrahedra that asks for, and levels through swept pieces."""
+"""Layers through bricks: what size of tetrahedra they ask for, and levels through swept pieces."""
 
 from __future__ import annotations
 
@@ -17,50 +17,17 @@ from kernel.mesh.method import axis_text
 from kernel.mesh.seeding import CurveWish, SeedRules
 from kernel.mesh.sweep import LevelWish
 from kernel.mesh.tets import MAX_TETS
+from kernel.mesh.thinnest import thinnest_wall
 from kernel.places import place_text
 from kernel.segment.segments import Segment
-from kernel.solid.solid import Solid
 
 Array = NDArray[np.float64]
 
-OPPOSITE = math.cos(math.radians(20.0))
-"""Faces whose normals point apart within this angle are two sides of a wall, not of an edge."""
-
-HAIR = 1e-7
-"""Rays start this share of the body's size within it, and hits nearer than twice that are of the face they leave."""
-
 SLIVER = 1e-7
-"""Facets of less than this share of the body's surface tell nothing of its walls."""
+"""Lengths that differ by less than this share are one."""
 
 TETS_PER_VOLUME = 6.0 * math.sqrt(2.0)
 """Regular tetrahedra of edge 1 in a volume of 1."""
-
-
-def thinnest_wall(solid: Solid, along: Array | None = None) -> tuple[float, Array]:
-    """(thickness, a point (3,) amid it) of the thinnest place between two faces that look away from each other.
-
-    Infinite where there are none (a cone). Rays go from the middle of every facet straight into the body. along: a
-    direction; walls across it do not count.
-    """
-    facets = solid.facets
-    least, place = math.inf, facets.centroids[0]
-    is_seen = facets.areas > SLIVER * solid.area
-    if along is not None:
-        is_seen &= np.abs(facets.normals @ along) < 0.5
-    rows = np.flatnonzero(is_seen)
-    for row in rows.tolist():
-        normal, centre = facets.normals[row], facets.centroids[row]
-        start = centre - HAIR * solid.size * normal
-        reach = min(least, solid.size) * 1.001
-        for hit in solid.manifold.ray_cast(tuple(start), tuple(start - reach * normal)):
-            there = np.array(hit.position)
-            thickness = float((centre - there) @ normal)
-            if thickness <= 2 * HAIR * solid.size:
-                continue
-            if float(np.array(hit.normal) @ normal) < -OPPOSITE and thickness < least:
-                least, place = thickness, 0.5 * (centre + there)
-            break
-    return least, place
 
 
 def layered_size(segment: Segment, size: float, layers: int, frame: Array) -> tuple[float, str | None]:

@@ -23,13 +23,13 @@ MOST_COUNTED = 100_000
 class MeshOptions:
     """size: target element edge in model units, None for automatic. order: 1 or 2 (tetrahedra are always tet10).
 
-    faces: shells of quads or of triangles. volumes: hexes where a brick can be swept ("auto"), hexes or a refusal
-    ("hex"), tetrahedra always ("tet"). sizes: target size by segment id, CSG node path or name; the deepest node
-    wins, a segment's own id over both. curve_sizes, seeds: largest element edge along, and exact number of elements
-    on, the curves that a text names (kernel/mesh/curve_choice.py). growth: most that an element may be larger than
-    the one before it, away from small ones. per_circle: fewest elements round a full circle. layers: fewest elements
-    across a brick, along its sweep and across the walls of its section. deadline: seconds that one tetrahedral mesh
-    may take. tee: walls that end in another are carried on to its mid-surface ("extend"), or stop at its face and
+    faces: shells of quads or of triangles. volumes: hexes where a brick can be swept or turned ("auto"), hexes or a
+    refusal ("hex"), tetrahedra always ("tet"). sizes: target size by segment id, CSG node path or name; the deepest
+    node wins, a segment's own id over both. curve_sizes, seeds: largest element edge along, and exact number of
+    elements on, the curves that a text names (kernel/mesh/curve_choice.py). growth: most that an element may be larger
+    than the one before it, away from small ones. per_circle: fewest elements round a full circle. layers: fewest
+    elements across a brick, along its sweep and across the walls of its section. deadline: seconds that one tetrahedral
+    mesh may take. tee: walls that end in another are carried on to its mid-surface ("extend"), or stop at its face and
     hang from it by rigid arms ("arms"). joint_tees: by joint id, where one differs.
     """
 

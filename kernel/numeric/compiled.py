@@ -16,7 +16,10 @@ from pathlib import Path
 from typing import Any
 
 import numba
+from numba.core import event
 from numba.np import linalg
+
+from kernel.numeric.notice import compiling
 
 
 def _import_array_functions() -> None:
@@ -34,6 +37,20 @@ def _import_array_functions() -> None:
 
 
 _import_array_functions()
+
+
+class _Listener(event.Listener):  # type: ignore[misc]
+    """numba's own event of compiling: not of what the cache holds."""
+
+    def on_start(self, event: event.Event) -> None:
+        del event
+        compiling()
+
+    def on_end(self, event: event.Event) -> None:
+        del event
+
+
+event.register("numba:compile", _Listener())
 
 
 def _package_stamp() -> tuple[tuple[str, int, int], ...]:

@@ -104,7 +104,7 @@ def test_one_of_two_joints_of_the_same_walls_is_not_apart_alone_and_that_is_told
 
 def test_arms_asked_of_joints_that_are_apart_are_told():
     base = classified("tests/cases/bracket_two_gussets.csg")
-    told = "no arms, for nothing hangs from what is meshed apart"
+    told = "no arms, for nothing hangs across what is meshed apart"
     tees = [joint.id for joint in base.joints if joint.kind == "tee"]
     whole = mesh(base, MeshOptions(tee="arms"))
     assert len(whole.assembly.arms) and not [warning for warning in whole.warnings if told in warning]
@@ -113,6 +113,15 @@ def test_arms_asked_of_joints_that_are_apart_are_told():
     assert line.startswith(f"{', '.join(tees)}:")
     one = mesh(base, MeshOptions(joint_tees={tees[0]: "arms"}), apart=True)
     assert [w for w in one.warnings if "arms" in w] == [line.replace(", ".join(tees), tees[0])]
+
+
+def test_couplings_asked_of_joints_that_are_apart_are_told():
+    base = classified("tests/cases/table_touching.csg")
+    apart = mesh(base, MeshOptions(size=30), joint_couplings={"j1": "rigid"}, apart=True)
+    assert apart.warnings == (
+        "j1 (rigid): no coupling, for what meets there is meshed apart; expected a coupling or apart, not both",
+    )
+    assert mesh(base, MeshOptions(size=30), joint_couplings={"j1": "rigid"}).warnings == ()
 
 
 @pytest.mark.parametrize("name", ["shaft_stepped_stout", "block_with_fin", "i_between_blocks", "table_touching"])

@@ -5,15 +5,11 @@ import pytest
 import shapely
 from assembling import WHOLE, assembled, audit, cube, placed, turned
 
-from kernel.csg.reader import read_model
 from kernel.errors import OptionError
-from kernel.mesh.layers import thinnest_wall
-from kernel.solid.evaluate import evaluate
 
 BOX = "A = BLO(60, 40, 50)\nB = BLO(50, 30, 60) AT (MOVX=5, MOVY=5, MOVZ=-5)\nC = A DIF B\n"
 TUBE = "A = CYL(R=40, H=30)\nB = CYL(R=32, H=40) AT (MOVZ=-5)\nC = A DIF B\n"
 SLAB = "A = BLO(100, 80, 12)\nH = CYL(R=15, H=20) AT (MOVX=40, MOVY=40, MOVZ=-4)\nC = A DIF H\n"
-EGG = "A = SPH(R=30)\nB = SPH(R=24)\nC = A DIF B\n"
 
 
 def across(assembly, evaluated, start, end) -> int:
@@ -54,12 +50,6 @@ def test_layers_count_through_a_thin_piece_of_a_stack():
     levels = np.unique((assembly.mesh.nodes @ evaluated.frame.T)[:, 2].round(6))
     assert (levels <= 6).sum() == 4
     assert (levels >= 6).sum() == 6
-
-
-def test_the_thinnest_wall_of_a_body_is_found_whatever_its_shape():
-    for text, expected in ((BOX, 5), (TUBE, 8), (SLAB, 12), (EGG, 6), ("A = WED(30, 40, 10)\n", 10)):
-        thickness, _ = thinnest_wall(evaluate(read_model(text, "m.csg")).solid)
-        assert thickness == pytest.approx(expected, rel=0.02)
 
 
 @pytest.mark.slow

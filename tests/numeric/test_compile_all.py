@@ -49,6 +49,24 @@ def test_compiling_ahead_leaves_nothing_to_compile() -> None:
     assert [line for line in lines if int(line[3]) > 0] == []
 
 
+def test_who_asks_hears_once_that_kernels_are_compiled_and_not_that_they_are_read(tmp_path: Path) -> None:
+    code = """
+from kernel.numeric.notice import when_compiling
+when_compiling(lambda: print("compiling"))
+from kernel.numeric.compiled import compiled
+@compiled
+def twice(x): return 2 * x
+@compiled
+def half(x): return x / 2
+print(twice(1), half(1.0))
+"""
+    script = tmp_path / "kernels.py"
+    script.write_text(code)
+    command = f"import sys, runpy; sys.path.insert(0, {str(ROOT)!r}); runpy.run_path({str(script)!r})"
+    assert run(command, NUMBA_CACHE_DIR=str(tmp_path)) == "compiling\n2 0.5\n"
+    assert run(command, NUMBA_CACHE_DIR=str(tmp_path)) == "2 0.5\n"
+
+
 def test_every_file_of_kernels_says_what_it_does() -> None:
     for found in pkgutil.iter_modules(kernel.numeric.__path__):
         assert importlib.import_module(f"kernel.numeric.{found.name}").__doc__
