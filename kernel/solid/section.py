@@ -154,21 +154,77 @@ def face_polygon(facets: Facets, mask: NDArray[np.bool_], u: Vector, v: Vector) 
     return shapely.normalize(region)
 
 
+NODED = 1e-6
+"""Where the area enclosed differs from the boundary's own by more than this share, segments overlap: see below."""
+
+
 def area_within(segments: NDArray[np.float64], grid: float) -> Polygon | MultiPolygon:
     """The region that unordered boundary segments (n, 2, 2) enclose; its vertices are the segments' own end points.
 
-    The segments are chained on coordinates rounded to `grid`, and points on straight edges (within 3 grids) taken
-    out; then each vertex gets its unrounded coordinates back, so that areas are exact to rounding (where boundaries
-    cross within the rounding, the crossing is a vertex of its own and stays).
+    All run round the material the same way. They are chained on coordinates rounded to `grid`, and points on straight
+    edges (within 3 grids) taken out; then each vertex gets its unrounded coordinates back, so that areas are exact to
+    rounding (where boundaries cross within the rounding, the crossing is a vertex of its own and stays).
+
+    Bodies that are skew to the axes and touch face to face may be left with a slit of no width between them: front
+    and back of it lie on one another, with vertices of their own, and no chain of them closes. The area tells; then
+    the segments are divided where they meet, and what they wind round is taken.
     """
     import shapely
 
     points = segments.reshape(-1, 2)
     cells = np.round(points / grid)
     rounded = cells * grid
-    region = shapely.build_area(shapely.multilinestrings(shapely.linestrings(rounded.reshape(-1, 2, 2))))
+    lines = shapely.multilinestrings(shapely.linestrings(rounded.reshape(-1, 2, 2)))
+    region = shapely.build_area(lines)
+    swept = _swept_area(rounded.reshape(-1, 2, 2))
+    if abs(region.area - abs(swept)) > NODED * abs(swept):
+        region = _wound_round(rounded.reshape(-1, 2, 2), grid)
     region = shapely.simplify(region, 3.0 * grid)
-    exact = dict(zip(map(tuple, rounded.tolist()), points.tolist()))
-    return shapely.transform(
-        region, lambda flat: np.array([exact.get(point, point) for point in map(tuple, flat.tolist())])
-    )
+    exact = dict(zip(map(tuple, cells.tolist()), points.tolist()))
+
+    def unrounded(flat: NDArray[np.float64]) -> NDArray[np.float64]:
+        return np.array([exact.get(tuple(cell), point) for cell, point in zip(np.round(flat / grid).tolist(), flat)])
+
+    return shapely.transform(region, unrounded)
+
+
+def _swept_area(segments: NDArray[np.float64]) -> float:
+    """Signed area that directed segments (n, 2, 2), closed together, run round."""
+    start, end = segments[:, 0] - segments[0, 0], segments[:, 1] - segments[0, 0]
+    return 0.5 * float(np.sum(start[:, 0] * end[:, 1] - start[:, 1] * end[:, 0]))
+
+
+def _wound_round(segments: NDArray[np.float64], grid: float) -> Polygon | MultiPolygon:
+    """What directed segments (n, 2, 2) wind round, however they overlap: cells of their arrangement on `grid`."""
+    import shapely
+
+    divided = _divided(segments, 2.0 * grid)
+    noded = shapely.union_all(shapely.linestrings(divided), grid_size=grid)
+    cells = np.array(shapely.get_parts(shapely.polygonize([noded])))
+    inner = shapely.get_coordinates(shapely.point_on_surface(cells))
+    wound = cells[[_winding(divided, point) != 0 for point in inner]]
+    return shapely.union_all(wound, grid_size=grid)
+
+
+def _divided(segments: NDArray[np.float64], near: float) -> NDArray[np.float64]:
+    """The segments (n, 2, 2) led through every end point that lies on them within `near`."""
+    import shapely
+
+    points = np.unique(segments.reshape(-1, 2), axis=0)
+    lines = shapely.linestrings(segments)
+    number, on = shapely.STRtree(shapely.points(points)).query(lines, predicate="dwithin", distance=near)
+    start = segments[number, 0]
+    along = np.einsum("ij,ij->i", points[on] - start, segments[number, 1] - start)
+    order = np.lexsort((along, number))
+    number, way = number[order], points[on[order]]
+    same = number[1:] == number[:-1]
+    return np.stack([way[:-1][same], way[1:][same]], axis=1)
+
+
+def _winding(segments: NDArray[np.float64], point: NDArray[np.float64]) -> int:
+    """How often directed segments (n, 2, 2) run round a point off them: crossings of the ray to its right."""
+    start, end = segments[:, 0] - point, segments[:, 1] - point
+    turn = start[:, 0] * end[:, 1] - start[:, 1] * end[:, 0]
+    up = (start[:, 1] <= 0.0) & (end[:, 1] > 0.0) & (turn > 0.0)
+    down = (start[:, 1] > 0.0) & (end[:, 1] <= 0.0) & (turn < 0.0)
+    return int(up.sum()) - int(down.sum())

@@ -11,9 +11,10 @@ from trees import at, difference, evaluated, turned, union
 
 from kernel.csg.tree import Block, Cylinder, Sphere
 from kernel.errors import OptionError
+from kernel.segment.faces import Faces
 from kernel.solid.brep import brep_of
 from kernel.solid.export import ENDINGS, ending_of, solid_bytes
-from kernel.solid.section import face_polygon, section
+from kernel.solid.section import area_within, face_polygon, section
 from kernel.solid.solid import half_space_cut, intersect, prism, subtract, tube, unite
 from kernel.solid.surfaces import CylinderSurface, Plane, plane_frame
 
@@ -163,3 +164,34 @@ def test_exports_read_back_with_the_same_volume(ending, tmp_path) -> None:
 def test_other_endings_are_refused(path) -> None:
     with pytest.raises(OptionError, match=r"expected one of \.stl \.glb \.3mf \.ply"):
         ending_of(path)
+
+
+def test_boundaries_that_lie_on_one_another_enclose_what_they_run_round() -> None:
+    """A post on a frame's lower chord, its end not one with the chord: two loops share a line, without its vertices."""
+    outer = [(0, 0), (100, 0), (100, 50), (0, 50)]
+    hole = [(10, 10), (10, 40), (90, 40), (90, 10)]
+    post = [(40, 10), (44, 10), (44, 40), (40, 40)]
+    loops = np.concatenate([np.stack([loop, np.roll(loop, -1, axis=0)], axis=1) for loop in (outer, hole, post)])
+    for degrees in (0.0, 30.0, 77.0):
+        turn = turned(Z, degrees)[:2, :2]
+        region = area_within(loops @ turn.T, 1e-7)
+        assert region.area == pytest.approx(100 * 50 - 80 * 30 + 4 * 30, rel=1e-9)
+        assert region.covers(shapely.Point(turn @ (42.0, 25.0)))
+        assert not region.covers(shapely.Point(turn @ (20.0, 25.0)))
+
+
+def test_faces_of_a_skew_braced_frame_have_the_area_of_their_triangles() -> None:
+    """Bars that touch in a frame of their own, askew to what says where the axes are."""
+    bars = (
+        ((304, 4, 4), (0, 0, 0)),
+        ((304, 4, 4), (0, 0, 100)),
+        ((4, 4, 96), (0, 0, 4)),
+        ((4, 4, 96), (300, 0, 4)),
+    )
+    brace = Block(size=(3, 3, 135), placement=at(2, 0.5, 2, turned(Y, 45)))
+    anchor = Block(size=(400, 400, 400), placement=at(-1000, 0, 0, turned(Y, 45)))
+    frame = [Block(size=size, placement=at(*corner)) for size, corner in bars]
+    faces = Faces(evaluated(union(*frame, brace, anchor)).solid)
+    for (number, side), area in faces.areas.items():
+        if isinstance(faces.table.surfaces[number], Plane):
+            assert faces.polygon(number, side).area == pytest.approx(area, rel=1e-6)
