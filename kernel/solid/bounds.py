@@ -58,6 +58,14 @@ class Box:
         return float(np.prod(np.maximum(self.high - self.low, 0.0)))
 
 
+def own_volume(leaf: Primitive) -> float:
+    """Volume of the primitive's box in its own axes, the same however it is turned; a hull's, of its box."""
+    if isinstance(leaf, Hull):
+        return Box.of_leaf(leaf).volume
+    low, high = standard_extent(leaf)
+    return float(np.prod(high - low)) * abs(float(np.linalg.det(leaf.placement[:3, :3])))
+
+
 def standard_extent(leaf: Primitive) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """(low, high) of the primitive in its standard position."""
     match leaf:

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from kernel.csg.tree import Boolean, CsgModel, CsgNode, Hull, Primitive, frozen_array, walk
 from kernel.errors import DefectError, GeometryError
-from kernel.solid.bounds import Box, box_of_tree, model_precision
+from kernel.solid.bounds import box_of_tree, model_precision, own_volume
 from kernel.solid.frame import PlacedLeaf, WorkingFrame, choose_frame
 from kernel.solid.hull import hull_manifold
 from kernel.solid.primitives import build, check_numbers
@@ -191,7 +191,7 @@ def _key(leaf: Primitive) -> str:
 
 
 def _weigh(root: CsgNode) -> list[PlacedLeaf]:
-    """Every leaf with the volume it counts with: its own (cut to the tree's box), hardly any if it is taken away."""
+    """Every leaf with the volume it counts with: that of its own box, hardly any if it is taken away."""
     rows: list[PlacedLeaf] = []
     stack: list[tuple[CsgNode, float]] = [(root, 1.0)]
     while stack:
@@ -201,7 +201,7 @@ def _weigh(root: CsgNode) -> list[PlacedLeaf]:
         elif isinstance(node, Primitive):
             if node.kind != "sphere":
                 turns = node.kind in ("cylinder", "cone", "torus")
-                rows.append(PlacedLeaf(np.asarray(node.placement), factor * Box.of_leaf(node).volume, turns))
+                rows.append(PlacedLeaf(np.asarray(node.placement), factor * own_volume(node), turns))
         else:
             for number, operand in enumerate(node.operands):
                 taken = node.kind == "difference" and number > 0

@@ -294,3 +294,10 @@ def test_what_is_no_solid_is_refused_with_its_place(node, message: str) -> None:
     with pytest.raises(GeometryError) as raised:
         evaluated(node)
     assert message in str(raised.value)
+
+
+def test_the_working_frame_is_that_of_most_volume_however_far_a_slender_bar_reaches() -> None:
+    """The brace's box along the axes is many times its volume; the frame's bars hold more of it."""
+    brace = Block(size=(30, 30, 1350), placement=at(20, 5, 20, turned((0, 1, 0), 45)))
+    bars = union(Block(size=(3040, 40, 40)), Block(size=(40, 40, 1000)), brace)
+    assert np.array_equal(evaluated(bars).frame, np.eye(3))
