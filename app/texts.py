@@ -186,13 +186,26 @@ def mass_text(answer: MeshAnswer) -> str:
     from kernel.units import unit_set
 
     unit, mass = unit_set(answer.units).mass, answer.mass
-    counted = (answer.checks.model_extra or {}).get("mass", {}).get("ledger", 0.0) / mass.solid if mass.solid else 0.0
+    extra = answer.checks.model_extra or {}
+    counted = extra.get("mass", {}).get("ledger", 0.0) / mass.solid if mass.solid else 0.0
     why = ""
     if abs(counted) > SHOWN_SHARE:
-        how = "counted twice where segments meet" if counted > 0 else "left out where segments meet"
-        why = f", of which {counted:+.2%} {how}: --mass exact makes up for it".replace("%", " %")
+        of_shapes = counted * _share_of_shapes(extra.get("ledger", []))
+        parts = [
+            (counted - of_shapes, "counted twice where segments meet", "left out where segments meet"),
+            (of_shapes, "more than the segments' own shapes", "less than the segments' own shapes"),
+        ]
+        told = [f"{part:+.2%} {more if part > 0 else less}" for part, more, less in parts if abs(part) > SHOWN_SHARE]
+        if told:
+            why = f", of which {' and '.join(told)}: --mass exact makes up for it".replace("%", " %")
     error = f"{round(mass.error, 4) + 0.0:+.2%}".replace("%", " %")
     return f"mass: solid {number(mass.solid)} {unit}, model {number(mass.model)} {unit} ({error}{why})"
+
+
+def _share_of_shapes(ledger: list[dict[str, Any]]) -> float:
+    """What segments that are not their idealised shapes count of all that the ledger's rows do."""
+    whole = sum(row["volume"] for row in ledger)
+    return sum(row["volume"] for row in ledger if row["kind"] == "shape") / whole if whole else 0.0
 
 
 def quality_lines(quality: dict[str, Any]) -> list[str]:

@@ -227,5 +227,6 @@ def _with_failures(checks: Checks, reference: Reference) -> Checks:
             abs(checks.accounted_mass_error) <= MASS_TOLERANCE,
             f"the mass differs from the solid's by {checks.accounted_mass_error:+.2%} beside the ledger's corners",
         ),
+        *((False, f"{name} {misfit}") for name, misfit in reference.misfits.items()),
     )
     return replace(checks, failures=tuple(text for holds, text in tests if not holds))

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from kernel.connect.audit import connected_components
 from kernel.connect.mass import Moments, block_moments, solid_moments, total
+from kernel.idealise.ledger import misfits
 from kernel.idealise.ledger_row import LedgerRow
 from kernel.mesh.assembly import Assembly
 from kernel.mesh.elements import ELEMENT_KINDS
@@ -31,6 +32,7 @@ class Reference:
 
     pieces: in how many the model is to be, as `pieces_of` is. solids: the same moments by segment id, where they are
     known: a part of the model can then be checked too. curve_uses, arms: as in assembly.Assembly.
+    misfits: by segment id, what is wrong with its thickness (idealise/ledger.py), where the rules chose it.
     may_coincide: segments were meshed apart and are not connected yet, so that their nodes may lie on one another.
     """
 
@@ -42,6 +44,7 @@ class Reference:
     arms: NDArray[np.int64] = field(default_factory=lambda: np.empty((0, 4), np.int64))
     solids: Mapping[str, Moments] = field(default_factory=dict)
     pieces_of: str = "the solid"
+    misfits: Mapping[str, str] = field(default_factory=dict)
     may_coincide: bool = False
 
 
@@ -52,7 +55,16 @@ def reference_of(assembly: Assembly, evaluated: Evaluated) -> Reference:
     solid = solid_moments(facets.vertices @ frame.T, facets.triangles, evaluated.solid.true_volume)
     # parts that touch within the tolerance, or over a stated gap, are one though their solids are two
     pieces = min(len(evaluated.solid.components()), assembly.pieces)
-    whole = Reference(float(evaluated.size), pieces, solid, assembly.ledger, assembly.curve_uses, assembly.arms)
+    chosen = [segment for segment in assembly.segments if segment.origin != "override"]
+    whole = Reference(
+        size=float(evaluated.size),
+        pieces=pieces,
+        solid=solid,
+        ledger=assembly.ledger,
+        curve_uses=assembly.curve_uses,
+        arms=assembly.arms,
+        misfits=misfits(assembly.ledger, chosen),
+    )
     if assembly.only is None and not assembly.apart:
         return whole
     apart = replace(whole, pieces=assembly.pieces, pieces_of="what is meshed apart", may_coincide=True)
@@ -84,7 +96,8 @@ def part_of(reference: Reference, segments: Sequence[str]) -> Reference:
         if abs(sum(shares.values())) > NEGLIGIBLE * solid.mass:
             rows.append(replace(row, volume=sum(shares.values()), shares=shares))
     solids = {name: moments for name, moments in reference.solids.items() if name in kept}
-    return replace(reference, solid=solid, ledger=tuple(rows), solids=solids)
+    odd = {name: text for name, text in reference.misfits.items() if name in kept}
+    return replace(reference, solid=solid, ledger=tuple(rows), solids=solids, misfits=odd)
 
 
 def own_reference(model: Model) -> Reference:

@@ -133,5 +133,6 @@ def _merged_reference(one: Reference, other: Reference, n_node: int, segments: M
         arms=np.vstack([one.arms, other.arms + n_node]),
         solids={**one.solids, **{segments.get(name, name): moments for name, moments in other.solids.items()}},
         pieces_of="the two were",
+        misfits={**one.misfits, **{segments.get(name, name): misfit for name, misfit in other.misfits.items()}},
         may_coincide=True,
     )

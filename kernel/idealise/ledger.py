@@ -23,6 +23,7 @@ from kernel.idealise.parts import Parts
 from kernel.idealise.sheets import PlaneSheet, Sheet
 from kernel.idealise.topology import BOUNDARY, Curve, Topology
 from kernel.idealise.walls import Wall
+from kernel.segment.segments import Segment
 
 NEGLIGIBLE = 1e-12
 """Rows smaller than this share of the model's volume are rounding."""
@@ -33,6 +34,10 @@ CLOSES = 1e-9
 NOTABLE = 1e-3
 """Rows without a closed form are warned of from this share of the model's volume on; the mass may differ by five times
 as much."""
+
+MISFIT = 0.05
+"""A wall whose middle times its thickness differs from its own volume by more than this share has another thickness
+than its material. Counterbores and bevels of the labelled models come to 0.8 %."""
 
 _STEPS = 32
 """Parts into which a curved stretch is divided for its area, before Richardson's extrapolation."""
@@ -201,6 +206,25 @@ def unexplained(rows: Sequence[LedgerRow], volume: float) -> list[str]:
         f"{row.volume / volume:+.2%} of the volume, measured"
         for row in odd
     ]
+
+
+def misfits(rows: Sequence[LedgerRow], segments: Sequence[Segment]) -> dict[str, str]:
+    """By segment id, what is wrong with its thickness, to follow the id: plates and cylinder-plates off by MISFIT."""
+    off: dict[str, float] = {}
+    for row in rows:
+        if row.kind == SHAPE:
+            for name, share in row.shares.items():
+                off[name] = off.get(name, 0.0) + share
+    found = {}
+    for segment in segments:
+        share, thickness = off.get(segment.id, 0.0) / segment.volume, segment.thickness
+        if thickness is not None and abs(share) > MISFIT:
+            found[segment.id] = (
+                f"({segment.node}) is {thickness:.4g} thick as a {segment.type}, and its material "
+                f"{thickness / (1.0 + share):.4g} on average ({share:+.1%} of its volume), expected within "
+                f"{MISFIT:.0%}: another type for it, or its parts by themselves"
+            )
+    return found
 
 
 class _Rows:

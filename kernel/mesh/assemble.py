@@ -20,7 +20,7 @@ from kernel.idealise.brick import group_bricks
 from kernel.idealise.crossings import find_crossings
 from kernel.idealise.footprints import cut_edges, footprint_candidates, lap_candidates, seats
 from kernel.idealise.imprints import crossing_candidates, imprint, lay_outlines, outline_candidates
-from kernel.idealise.ledger import unexplained, volume_ledger
+from kernel.idealise.ledger import misfits, unexplained, volume_ledger
 from kernel.idealise.parts import Parts
 from kernel.idealise.regions import join_walls
 from kernel.idealise.topology import BOUNDARY, Curve, Topology
@@ -100,6 +100,8 @@ def assemble(
     parts.warnings += half_apart(parts.walls, joints, torn_joints)
     ledger = volume_ledger(parts, parts.topology.curves(), evaluated.solid.true_volume)  # as joined, whatever is meshed
     parts.warnings += unexplained(ledger, sum(segment.volume for segment in segments))
+    pinned = [segment for segment in segments if segment.origin == "override"]
+    parts.warnings += [f"{name} {misfit}" for name, misfit in misfits(ledger, pinned).items()]
     every_segment = [segment.id for segment in segments]
     segments = _limited(parts, segments, only)
     report("idealised", 0.2)

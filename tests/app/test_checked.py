@@ -82,3 +82,27 @@ def test_the_mass_has_its_unit_and_says_what_the_corners_weigh(capsys, tmp_path)
     assert run([*bracket, "--mass", "exact"]) == 0
     (line,) = re.findall(r"mass: .*", capsys.readouterr().out)
     assert line.endswith("t (+0.00 %)")
+
+
+def pocketed(tmp_path, floor: float) -> list[str]:
+    """A plate 10 thick with four pockets whose floors are below its middle."""
+    pockets = (f" &\n DIF BLO(80,80,20) AT(MOVX={x},MOVY={y},MOVZ={floor})" for x in (20, 120) for y in (20, 120))
+    (tmp_path / "plate.csg").write_text(f"P = BLO(400,400,10){''.join(pockets)}\nOUT P\n")
+    return ["mesh", str(tmp_path / "plate.csg"), "-o", str(tmp_path / "a.bdf"), "--size", "40"]
+
+
+def test_a_plate_whose_thickness_is_not_its_materials_is_refused(capsys, tmp_path):
+    given = pocketed(tmp_path, 4.0)
+    assert run(given) != 0
+    said = capsys.readouterr().err
+    assert "s1 (/) is 10 thick as a plate, and its material 10.76 on average (-7.1% of its volume)" in said
+    assert not (tmp_path / "a.bdf").exists()
+    assert run([*given, "--unchecked"]) == 0
+    assert "check failed: s1" in capsys.readouterr().err
+
+
+def test_an_analyst_may_say_that_it_is_a_plate_and_is_warned(capsys, tmp_path):
+    assert run([*pocketed(tmp_path, 4.0), "--override", "/=plate"]) == 0
+    printed = capsys.readouterr()
+    assert "warning: s1 (/) is 10 thick as a plate" in printed.err
+    assert re.search(r"of which -7\.\d\d % less than the segments' own shapes", printed.out)

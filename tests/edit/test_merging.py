@@ -64,6 +64,14 @@ def test_a_segment_whose_id_is_taken_gets_the_next_one():
     assert edited.history == ("merged with other (s1), its s1 called s2",)
 
 
+def test_a_wrong_thickness_still_fails_under_the_name_that_the_segment_gets():
+    wrong = Edited.of(plate(start=200))
+    wrong = replace(wrong, reference=replace(wrong.reference, misfits={"s1": "is 5 thick, and its material 4"}))
+    both = merge_models(Edited.of(plate()), wrong).edited
+    assert checks(both).failures == ("s2 is 5 thick, and its material 4",)
+    assert checks(delete_segment(both, "s2")).passed
+
+
 def test_another_material_of_the_same_name_gets_a_name_of_its_own():
     softer = replace(named_material("steel", unit_set("mm")), elastic_modulus=1000.0)
     model = merged(plate(), plate("s2", 100, material=softer)).model
