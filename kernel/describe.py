@@ -17,7 +17,7 @@ from kernel.facts import Facts, Value
 from kernel.segment.fits import diameter_of, fit
 from kernel.segment.holes import round_holes
 from kernel.segment.operands import leaf_count, operand_at, operands_of, tools_of
-from kernel.segment.slices import outline_points, smallest_rectangle
+from kernel.segment.slices import outline_points, parts_of, slice_polygon, smallest_rectangle
 from kernel.segment.supports import contacts_along, free_length
 from kernel.solid.surfaces import plane_frame
 
@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from kernel.csg.tree import CsgNode
     from kernel.segment.pieces import Piece
     from kernel.segment.prism import Prism
+    from kernel.segment.walls import PlaneWall
     from kernel.solid.solid import Solid
 
 FACT_DIGITS = 6
@@ -165,7 +166,7 @@ def related(piece: Piece, tier: str) -> dict[str, tuple[Facts, ...]]:
 def walls(piece: Piece) -> dict[str, Value]:
     """What the thin-wall decomposition found."""
     from kernel.segment.shapes import wall_holes
-    from kernel.segment.walls import TubeWall
+    from kernel.segment.walls import PlaneWall, TubeWall
 
     found = piece.walls
     parts = found.parts
@@ -181,11 +182,23 @@ def walls(piece: Piece) -> dict[str, Value]:
         values["wall_thickness"] = max(part.wall.thickness for part in parts)
         values["thinnest_wall"] = min(part.wall.thickness for part in parts)
         values["wall_slenderness"] = min(part.wall.width / part.wall.thickness for part in parts)
+    strips = [_strips(part.wall, part.solid) for part in parts if isinstance(part.wall, PlaneWall)]
+    if strips:
+        values["outline_fill"], values["strip_ratio"] = min(strips)
     if tubes:
         values["radius_ratio"] = min(
             part.wall.mid_radius / part.wall.thickness for part in tubes if isinstance(part.wall, TubeWall)
         )
     return _rounded(values)
+
+
+def _strips(wall: PlaneWall, solid: Solid) -> tuple[float, float]:
+    """Of a flat wall's section half-way: the share of its outer outline that it fills, and the mean width of what it
+    consists of, in thicknesses. A strip much longer than wide has twice its area / its perimeter as its width.
+    """
+    middle = slice_polygon(solid.facets, wall.normal, 0.5 * (wall.bottom + wall.top), wall.u, wall.v)
+    outline = sum(shapely.Polygon(part.exterior).area for part in parts_of(middle))
+    return min(middle.area / outline, 1.0), 2.0 * middle.area / (middle.length * wall.thickness)
 
 
 def necks(piece_count: int, member_volume: float, volume: float) -> dict[str, Value]:

@@ -108,6 +108,15 @@ VOCABULARY: tuple[FactSpec, ...] = (
     FactSpec("wall_thickness", "walls", "length", "thickness of the thickest wall"),
     FactSpec("thinnest_wall", "walls", "length", "thickness of the thinnest wall"),
     FactSpec("wall_slenderness", "walls", "ratio", "least width of a wall / its thickness, worst wall"),
+    FactSpec(
+        "outline_fill", "walls", "ratio", "share of its outer outline that a flat wall fills, holes out; emptiest wall"
+    ),
+    FactSpec(
+        "strip_ratio",
+        "walls",
+        "ratio",
+        "mean width of the strips between that wall's edges, 2 area / perimeter, / its thickness",
+    ),
     FactSpec("radius_ratio", "walls", "ratio", "mean radius / thickness of the worst cylindrical wall"),
     FactSpec("hole_count", "walls", "count", "inner boundary loops of all walls"),
     # necks: what cuts at concave edges would give

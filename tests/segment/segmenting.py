@@ -87,13 +87,14 @@ def plain_decide(facts: Facts) -> Conclusion | Need:
         return _concluded("beam", "slender")
     if "wall_share" not in facts:
         return Need("walls")
-    if facts["wall_share"] >= 0.95:
+    is_lattice = facts.get("outline_fill", 1.0) < 0.5 and facts["strip_ratio"] < 3.0
+    if facts["wall_share"] >= 0.95 and not is_lattice:
         if facts["wall_count"] == 1:
             return _concluded("plate" if facts["plane_wall_count"] else "cylinder_plate", "one wall")
         return _concluded("plates", "walls")
     if facts["operand_count"] > 1:
         return _concluded("split", "operands decide")
-    if facts["wall_share"] > 0.5:
+    if facts["wall_share"] > 0.5 and not is_lattice:
         return _concluded("plates", "mostly walls")
     if "neck_share" not in facts:
         return Need("necks")

@@ -139,3 +139,17 @@ def test_contacts_of_a_member_are_counted_where_neighbours_reach_it():
 
     partition(evaluated, decide)
     assert counted == {1000.0: 3, 500.0: 1, 499.0: 0}
+
+
+def test_strips_of_a_flat_wall_are_measured_between_its_edges():
+    drilled = describe.walls(piece_of(f"difference() {{ {PLATE} {at(50, 50, -1, box(60, 40, 10))} }}"))
+    assert drilled["outline_fill"] == pytest.approx(1 - 60 * 40 / (200 * 100), rel=1e-5)
+    assert drilled["strip_ratio"] == pytest.approx(2 * (20000 - 2400) / (600 + 200) / 8, rel=1e-5)
+    whole = describe.walls(piece_of(PLATE))
+    assert (whole["outline_fill"], whole["strip_ratio"]) == (1.0, pytest.approx(2 * 20000 / 600 / 8, rel=1e-5))
+
+
+def test_a_part_without_flat_walls_has_no_strips():
+    pipe = describe.walls(piece_of(f"difference() {{ {rod(60, 300)} {at(0, 0, -1, rod(56, 302))} }}"))
+    assert pipe["cylinder_wall_count"] == 1
+    assert not {"outline_fill", "strip_ratio"} & set(pipe)

@@ -90,3 +90,14 @@ def test_two_trees_of_one_solid_get_the_same_segments(one, other):
         )
 
     assert answer(one) == answer(other)
+
+
+LATTICES = ["frame_braced", "frame_braced_thin", "frame_with_panel", "grillage", "truss_pratt", "truss_warren"]
+
+
+@pytest.mark.parametrize("angles", [(0.0, 0.0, 0.5236), (0.4, -1.1, 2.0)])
+@pytest.mark.parametrize("name", LATTICES)
+def test_a_frame_of_bars_in_one_plane_is_its_bars_however_it_is_turned_and_ordered(name, angles):
+    model = moved(read_file(str(CASES / f"{name}.csg")), rigid(angles, (310.0, -75.5, 12.25)))
+    check(model, EXPECTED[name]["answer"])
+    check(shuffled(model, 3), EXPECTED[name]["answer"])
