@@ -42,13 +42,14 @@ BULGE = 1e-3
 class Connected:
     """The mesh with coincident nodes made one, the ties that are left to couple, and how many nodes were made one.
 
-    numbers: (n_node,) the new number of every old node.
+    numbers: (n_node,) the new number of every old node. reach: the tolerance that was used.
     """
 
     mesh: Mesh
     ties: tuple[Tie, ...]
     n_joined: int
     numbers: Indices
+    reach: float
 
 
 def merge(meshes: Sequence[Mesh]) -> Mesh:
@@ -94,23 +95,30 @@ def connect(
     numbers = _coincident(mesh, reach, chosen)
     joined = _renumbered(mesh, numbers)
     held = {int(numbers[node]) for node in bound}
-    return Connected(joined, _ties(joined, reach, chosen, held), mesh.n_node - joined.n_node, numbers)
+    return Connected(joined, _ties(joined, reach, chosen, held), mesh.n_node - joined.n_node, numbers, reach)
 
 
 def _coincident(mesh: Mesh, reach: float, segments: Sequence[str]) -> Indices:
-    """New number of each node, nodes of different segments nearer than the reach made one."""
+    """New number of each node, nodes of different segments nearer than the reach made one.
+
+    A node of beams or shells and one of solids stay two: the solid's has no rotations, so that one would be a hinge.
+    """
     found = near_pairs(mesh.nodes, reach) if reach > 0 else []
     pairs = sorted(found, key=lambda pair: float(np.linalg.norm(mesh.nodes[pair[0]] - mesh.nodes[pair[1]])))
     chosen = set(segments)
     owners: dict[int, set[str]] = {node: set() for pair in pairs for node in pair}
+    turning: set[int] = set()
     for block in mesh.blocks:
         for node in owners.keys() & set(block.connectivity.ravel().tolist()):
             owners[node].add(block.segment)
+            if ELEMENT_KINDS[block.kind].dimension < 3:
+                turning.add(node)
     bodies = Bodies()
     for a, b in pairs:
         one, other = bodies.find(a), bodies.find(b)
         both = owners[one] | owners[other]
-        if one != other and both <= chosen and owners[one].isdisjoint(owners[other]):
+        is_hinge = (a in turning) != (b in turning)
+        if one != other and not is_hinge and both <= chosen and owners[one].isdisjoint(owners[other]):
             bodies.join(one, other)
             owners[bodies.find(one)] = both
     first = np.array([bodies.find(node) for node in range(mesh.n_node)], dtype=np.int64)

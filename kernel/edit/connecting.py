@@ -1,4 +1,7 @@
-"""Connecting: what touches becomes one, nodes at one place made one node and hanging nodes tied to what they lie on."""
+"""Connecting: what touches becomes one, nodes at one place made one node and hanging nodes tied to what they lie on.
+
+Bodies may touch while their mid-surfaces and axes are half a thickness apart: kernel/connect/facing.py.
+"""
 
 from __future__ import annotations
 
@@ -6,16 +9,28 @@ from collections.abc import Collection
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
-from kernel.connect.audit import connected_components
-from kernel.connect.couplings import equations_of, make_couplings, nodes_with_rotations
+from kernel.connect.audit import connected_components, near_pairs
+from kernel.connect.couplings import Coupled, equations_of, make_couplings, nodes_with_rotations
 from kernel.connect.equations import Expression, Freedom, rows
+from kernel.connect.facing import facing_ties
 from kernel.connect.merge import Connected, connect
 from kernel.connect.model import Coupling, Model
 from kernel.connect.reference import renumbered, renumbered_arms
-from kernel.edit.edited import Edited, dependent_nodes, independent_nodes, renumbered_coupling, renumbered_sets
+from kernel.edit.edited import (
+    Edited,
+    dependent_nodes,
+    independent_nodes,
+    renumbered_coupling,
+    renumbered_sets,
+    segment_names,
+)
 from kernel.errors import ConnectError, OptionError
+from kernel.mesh.assembly import Tie
 from kernel.places import place_text
+
+Array = NDArray[np.float64]
 
 
 def connect_model(edited: Edited, tolerance: float | None = None, segments: Collection[str] | None = None) -> Edited:
@@ -29,19 +44,22 @@ def connect_model(edited: Edited, tolerance: float | None = None, segments: Coll
         raise OptionError(f"tolerance is {tolerance:g}, expected a positive length")
     model = edited.model
     found = connect(model.mesh, tolerance, segments, dependent_nodes(model.couplings))
+    found = replace(found, ties=(*found.ties, *_facing(model, found, segments)))
     if found.n_joined == 0 and not found.ties:
         among = "the segments" if segments is None else " and ".join(segments)
         reach = "" if tolerance is None else f" of {tolerance:g}"
         raise ConnectError(f"nothing to connect: no nodes of {among} touch within the tolerance{reach}")
-    _refuse_hinges(model, found)
+    _refuse_hinges(model, found, segments)
     kept = [renumbered_coupling(coupling, found.numbers) for coupling in model.couplings]
-    couplings = _with_ties([coupling for coupling in kept if coupling is not None], found)
+    coupled = make_couplings(found.ties, found.mesh, found.mesh.nodes)
+    couplings = _with_ties([coupling for coupling in kept if coupling is not None], coupled, found.mesh.nodes)
     elements = np.arange(sum(len(block.connectivity) for block in model.mesh.blocks))
     joined = replace(
         model,
         mesh=found.mesh,
         couplings=tuple(couplings),
         sets=renumbered_sets(model.sets, found.numbers, elements),
+        notes=(*model.notes, *(note for note in coupled.notes if note not in model.notes)),
     )
     n_tied = sum(len(tie.dependent) for tie in found.ties)
     reach = "" if tolerance is None else f" within {tolerance:g}"
@@ -58,33 +76,63 @@ def connect_model(edited: Edited, tolerance: float | None = None, segments: Coll
     return edited.done(joined, reference, line)
 
 
-def _refuse_hinges(model: Model, found: Connected) -> None:
-    """ConnectError where a node that turns would become one with a node of solids only: a hinge that nobody sees."""
-    turning = nodes_with_rotations(model.mesh)
-    has_turning = np.zeros(found.mesh.n_node, dtype=bool)
-    has_still = np.zeros(found.mesh.n_node, dtype=bool)
-    has_turning[found.numbers[turning]] = True
-    has_still[found.numbers[~turning]] = True
-    hinges = np.flatnonzero(has_turning & has_still)
-    if len(hinges):
-        raise ConnectError(
-            f"at {place_text(found.mesh.nodes[hinges[0]])} a node of beams or shells lies on a node of solids, "
-            "which has no rotations: joined they would be a hinge; expected a coupling, as meshing both together gives"
-        )
+def _facing(model: Model, found: Connected, segments: Collection[str] | None) -> tuple[Tie, ...]:
+    """Ties of what touches half a thickness apart, between segments that nothing connects yet."""
+    owners: dict[int, set[str]] = {}
+    for block in found.mesh.blocks:
+        for node in np.unique(block.connectivity).tolist():
+            owners.setdefault(node, set()).add(block.segment)
+
+    def pairs(dependent: Collection[int], hosts: Collection[int]) -> set[frozenset[str]]:
+        on = set.intersection(*(owners.get(node, set()) for node in hosts))
+        return {frozenset((one, other)) for node in dependent for one in owners.get(node, ()) for other in on - {one}}
+
+    coupled: set[frozenset[str]] = set()
+    old = [renumbered_coupling(coupling, found.numbers) for coupling in model.couplings]
+    couplings = [coupling for coupling in old if coupling is not None]
+    for coupling in couplings:
+        coupled |= pairs(dependent_nodes([coupling]), independent_nodes(coupling))
+    bound = dependent_nodes(couplings)
+    for tie in found.ties:
+        bound.update(tie.dependent.tolist())
+        for node, hosts in zip(tie.dependent.tolist(), tie.hosts, strict=True):
+            coupled |= pairs([node], hosts.tolist())
+    names = segment_names(model) if segments is None else segments
+    return facing_ties(found.mesh, model.properties, found.reach, names, bound, coupled)
 
 
-def _with_ties(couplings: list[Coupling], found: Connected) -> list[Coupling]:
+def _refuse_hinges(model: Model, found: Connected, segments: Collection[str] | None) -> None:
+    """ConnectError where a node that turns lies on a node of solids and is not tied: a hinge that nobody sees."""
+    names = segment_names(model) if segments is None else segments
+    chosen = np.zeros(found.mesh.n_node, dtype=bool)
+    for block in found.mesh.blocks:
+        if block.segment in names:
+            chosen[block.connectivity.ravel()] = True
+    turning = nodes_with_rotations(found.mesh)
+    tied = {node for tie in found.ties for node in tie.dependent.tolist()}
+    tied |= {int(found.numbers[node]) for node in dependent_nodes(model.couplings)}
+    for a, b in near_pairs(found.mesh.nodes, found.reach):
+        if chosen[a] and chosen[b] and turning[a] != turning[b] and tied.isdisjoint((a, b)):
+            raise ConnectError(
+                f"at {place_text(found.mesh.nodes[a])} a node of beams or shells lies on a node of solids, which has "
+                "no rotations: joined they would be a hinge; expected a beam's end or a shell's edge on a face"
+            )
+
+
+def _with_ties(couplings: list[Coupling], coupled: Coupled, nodes: Array) -> list[Coupling]:
     """Those that were there and the ties' own; what would depend on a dependent node is written out in equations."""
-    nodes = found.mesh.nodes
-    ties = make_couplings(found.ties, found.mesh, nodes).couplings
+    ties = coupled.couplings
     tied = {node for coupling in ties for node in dependent_nodes([coupling])}
     stay: list[Coupling] = []
     opened: list[Coupling] = []
     for coupling in couplings:
         (stay if tied.isdisjoint(independent_nodes(coupling)) else opened).append(coupling)
+    held = dependent_nodes(couplings)
+    for coupling in ties:
+        (stay if held.isdisjoint(independent_nodes(coupling)) else opened).append(coupling)
     taken: set[Freedom] = set()
     table: dict[Freedom, Expression] = {}
-    for place, coupling in enumerate((*stay, *ties, *opened)):
+    for place, coupling in enumerate((*stay, *opened)):
         for freedom, row in rows(coupling, nodes):
             if freedom in taken:
                 raise ConnectError(

@@ -4,8 +4,19 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from handmade import brick, cantilever, grid, i_outline, line_block, model_of, shell_cantilever, solid_cantilever
+from handmade import (
+    beam_property,
+    brick,
+    cantilever,
+    grid,
+    i_outline,
+    line_block,
+    model_of,
+    shell_cantilever,
+    solid_cantilever,
+)
 from joined import half_beam_half_solid, post_on_plate
+from shapely import box
 
 from kernel.connect.audit import connected_components
 from kernel.connect.checks import check_against
@@ -140,10 +151,13 @@ def test_a_coupling_whose_patch_is_tied_later_is_written_out():
 
 
 def test_a_hinge_is_refused():
+    """A beam along the edge of a solid: its axis lies in no section that touches a face."""
     nodes, hexes = brick((100, 60, 5), (5, 3, 1))
-    solid = model_of(nodes, [ElementBlock("s2", "hex8", hexes)], [Property("s2", "solid", "steel")])
-    with pytest.raises(ConnectError, match=r"at \(100, 0, 0\) a node of beams or shells lies on a node of solids"):
-        connect_model(merged(plate(start=100), solid))
+    solid = model_of(nodes, [ElementBlock("s1", "hex8", hexes)], [Property("s1", "solid", "steel")])
+    line = np.column_stack([np.linspace(0, 100, 6), np.zeros(6), np.zeros(6)])
+    beam = model_of(line, [line_block("s2", range(6), (0, 1, 0))], [beam_property("s2", box(0, 0, 20, 30))])
+    with pytest.raises(ConnectError, match=r"at \(0, 0, 0\) a node of beams or shells lies on a node of solids"):
+        connect_model(merged(solid, plate("s3", 100, (5, 4)), plate("s4", 200, (5, 4)), beam))
 
 
 def test_a_deleted_segment_takes_its_nodes_sets_and_couplings_along():

@@ -13,7 +13,7 @@ from kernel.csg.reader import read_model
 from kernel.edit.connecting import connect_model
 from kernel.edit.edited import Edited
 from kernel.edit.merging import merge_models
-from kernel.errors import ConnectError, OptionError
+from kernel.errors import OptionError
 from kernel.mesh.options import MeshOptions
 
 ROOT = Path(__file__).parents[2]
@@ -23,6 +23,22 @@ WALLS = [
     "egg_crate_two_by_two",
     "pipe_two_flanges",
     "tank_with_nozzle_hole",
+]
+CONTACTS = [
+    "lap_of_two_plates",
+    "coplanar_step",
+    "table_touching",
+    "stool_round",
+    "beam_between_plates",
+    "i_between_blocks",
+    "block_with_fin",
+    "boss_round",
+    "rail_on_sheet",
+    "portal_oblique",
+    "four_bars_ring",
+    "i_beside_column",
+    "ladder",
+    "truss_triangle",
 ]
 
 
@@ -133,10 +149,27 @@ def test_bricks_and_beams_are_meshed_apart_too(name):
     assert meshed.checks.components == len(meshed.assembly.segments)
 
 
-def test_what_only_a_mesh_of_both_can_couple_is_refused_by_hand():
-    meshed = mesh(classified("tests/cases/block_with_fin.csg"), MeshOptions(size=25), apart=True)
-    with pytest.raises(ConnectError, match="a node of solids, which has no rotations"):
-        connect_model(edited(meshed))
+@pytest.mark.parametrize("name", CONTACTS)
+def test_what_touches_half_a_thickness_apart_is_found_by_hand_too(name):
+    base = classified(f"tests/cases/{name}.csg")
+    together, apart = mesh(base), mesh(base, apart=True)
+    assert apart.checks.components == len(apart.assembly.segments) and apart.model.couplings == ()
+    whole = connect_model(edited(apart))
+    checks = check_against(whole.model, whole.reference)
+    assert checks.passed, checks.failures
+    assert (checks.components, checks.coincident_nodes) == (together.checks.components, 0)
+
+
+@pytest.mark.parametrize("order", [1, 2])
+def test_contacts_of_parts_meshed_alone_with_sizes_of_their_own_are_found(order):
+    base = classified("tests/cases/block_with_fin.csg")
+    parts = [
+        edited(mesh(base, MeshOptions(size=size, order=order), only=[segment.id]))
+        for segment, size in zip(base.partition.segments, (25, 17), strict=True)
+    ]
+    whole = connect_model(merge_models(*parts).edited)
+    checks = check_against(whole.model, whole.reference)
+    assert checks.passed and checks.components == 1, checks.failures
 
 
 def test_names_that_are_none_are_refused():

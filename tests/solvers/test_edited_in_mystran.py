@@ -73,3 +73,42 @@ def test_a_node_more_changes_next_to_nothing(bracket, shared):
     assert check_against(edited.model, edited.reference).passed
     assert sag(edited.model) == pytest.approx(shared, rel=0.002)
     assert np.linalg.norm(edited.model.mesh.nodes - (133.3, 51.7, 5.0), axis=1).min() < 1e-9
+
+
+@pytest.mark.parametrize(
+    ("name", "size", "axis", "way", "within"),
+    [
+        ("lap_of_two_plates", 15, 0, 2, 0.01),
+        ("coplanar_step", 15, 0, 2, 0.005),
+        ("rail_on_sheet", 20, 0, 2, 0.005),
+        ("block_with_fin", 20, 0, 2, 0.005),
+        ("pin_on_plate", 15, 2, 0, 0.005),
+        ("ladder", 50, 2, 1, 0.015),
+    ],
+)
+def test_what_touches_half_a_thickness_apart_bends_by_hand_as_meshed_together(name, size, axis, way, within):
+    """Parts meshed alone with sizes of their own, connected; held at one end, loaded at the other."""
+    base = classify(read(str(BRACKET.parents[1] / "tests" / "cases" / f"{name}.csg")))
+    edited = None
+    for number, segment in enumerate(base.partition.segments):
+        part = mesh(base, MeshOptions(size=size * (1, 0.83)[number % 2]), only=[segment.id])
+        one = Edited.of(part.model, reference_of(part.assembly, base.evaluated))
+        edited = one if edited is None else merge_models(edited, one).edited
+    assert deflection(connect_model(edited).model, axis, way) == pytest.approx(
+        deflection(mesh(base, MeshOptions(size=size)).model, axis, way), rel=within
+    )
+
+
+def deflection(model, axis, way) -> float:
+    along = model.mesh.nodes[:, axis]
+    hair = 1e-3 * np.ptp(along)
+    force = np.zeros(3)
+    force[way] = -100.0
+
+    def far(places):
+        return places[:, axis] > along.max() - hair
+
+    held = held_at(model, lambda places: places[:, axis] < along.min() + hair)
+    solved = mystran(model, Case(held, spread(model, far, tuple(force))))
+    assert solved.epsilon < 1e-6
+    return float(solved.displacements[nodes_where(model, far), way].mean())
