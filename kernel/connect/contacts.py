@@ -7,7 +7,6 @@ the cut inherited the other's surface. So both are found the same way, without a
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -15,11 +14,13 @@ import shapely
 from numpy.typing import NDArray
 from shapely import MultiPolygon, Polygon, STRtree
 
-from kernel.connect.gaps import check_gap, close_pairs
+from kernel.connect.gaps import ClosePair, check_gap, close_pairs
 from kernel.connect.joints import Joint
 from kernel.connect.sides import FaceSide, patch_of, sides_of
+from kernel.connect.tangents import SQUARE
 from kernel.idealise.implicit import project
 from kernel.idealise.sheets import plane_sheet
+from kernel.idealise.walls import CROSSING_SINE
 from kernel.segment.faces import faces_of
 from kernel.segment.segments import BeamShape, BrickShape, CylinderShape, PlateShape, Segment
 from kernel.segment.slices import parts_of, slice_polygon
@@ -40,19 +41,22 @@ END_ON = 0.9
 END_IN = 0.4
 """The same on cones, spheres and tori, which no beam lies along: it ends in them, or they sit around it."""
 
+LIES_ALONG = 0.9
+"""A plate that a tube meets in this direction (cosine to its normal) is met on its face."""
+
 
 def find_joints(segments: Sequence[Segment], evaluated: Evaluated, gap: float = 0.0) -> tuple[Joint, ...]:
     """Every pair of segments that share an area of a surface, once for each surface; ids "j1", "j2" ... in order.
 
-    gap: faces that look at one another over no more than this count as touching, where the two segments have no other
-    joint. OptionError: it is negative, or not less than the thinnest wall.
+    Flat faces that touch a cylinder do so too, though their facets may not. gap: faces that look at one another over no
+    more than this count as touching, where the two segments have no other joint. OptionError: it is negative, or not
+    less than the thinnest wall.
     """
     check_gap(gap, segments)
     table = evaluated.solid.surfaces
     faces = [faces_of(segment.solid) for segment in segments]
     rows = [row for index, of_segment in enumerate(faces) for row in sides_of(index, of_segment)]
-    joints: list[Joint] = []
-    found = []
+    found: list[ClosePair] = []
     patches: dict[int, Polygon | MultiPolygon] = {}
     for one, other in _facing(rows, 10 * table.tolerance):
         for row in (one, other):
@@ -62,43 +66,42 @@ def find_joints(segments: Sequence[Segment], evaluated: Evaluated, gap: float = 
         parts = [part for part in parts_of(patch) if part.area > 0.5 * SLIVER_WIDTH * table.tolerance * part.length]
         if parts:
             first, second = sorted((one, other), key=lambda row: row.segment)
-            found.append((first, second, parts[0] if len(parts) == 1 else MultiPolygon(parts)))
+            whole = parts[0] if len(parts) == 1 else MultiPolygon(parts)
+            found.append(ClosePair((first, second), 0.0, (whole, whole)))
+    apart: list[ClosePair] = []
+    for item in close_pairs(segments, evaluated, {_pair(item) for item in found}, gap):
+        if item.joins:
+            (apart if item.gap else found).append(item)
+    found.sort(key=lambda item: (*_pair(item), item.faces[0].surface, item.faces[0].side))
+    touched = {_pair(item) for item in found}
+    found += [item for item in apart if _pair(item) not in touched]
     middles = _Middles()
-    found.sort(key=lambda item: (item[0].segment, item[1].segment, item[0].surface, item[0].side))
-    for first, second, patch in found:
-        surface = table.surfaces[first.surface]
-        centre = _centre(surface, patch)
-        normal = first.side * outward(surface, centre[None])[0]
-        joints.append(_joint(len(joints) + 1, (first, second), segments, patch, centre, normal, middles))
-    for close in close_pairs(segments, evaluated, joints, gap) if gap else ():
-        one, other = close.faces
-        surface = table.surfaces[one.surface]
-        centre = _centre(surface, close.patches[0])
-        normal = one.side * outward(surface, centre[None])[0]
-        joint = _joint(len(joints) + 1, close.faces, segments, close.patches[0], centre, normal, middles)
-        joints.append(replace(joint, gap=close.gap, mate=other.surface, mate_patch=close.patches[1]))
-    return tuple(joints)
+    return tuple(_joint(number, item, segments, middles) for number, item in enumerate(found, start=1))
 
 
-def _joint(
-    number: int,
-    faces: tuple[FaceSide, FaceSide],
-    segments: Sequence[Segment],
-    patch: Polygon | MultiPolygon,
-    centre: Array,
-    normal: Array,
-    middles: _Middles,
-) -> Joint:
-    pair = (segments[faces[0].segment], segments[faces[1].segment])
+def _pair(item: ClosePair) -> tuple[int, int]:
+    return item.faces[0].segment, item.faces[1].segment
+
+
+def _joint(number: int, item: ClosePair, segments: Sequence[Segment], middles: _Middles) -> Joint:
+    one, other = item.faces
+    pair = (segments[one.segment], segments[other.segment])
+    surface = pair[0].solid.surfaces.surfaces[one.surface]
+    centre = _centre(surface, item.patches[0])
+    normal = one.side * outward(surface, centre[None])[0]
+    is_shared = one.surface == other.surface
     return Joint(
         id=f"j{number}",
-        kind=_kind(pair, (faces[0].surface, faces[1].surface), normal, centre, middles),
+        kind=_kind(pair, (one.surface, other.surface), normal, centre, middles),
         segments=(pair[0].id, pair[1].id),
-        surface=faces[0].surface,
-        area=float(patch.area),
-        patch=patch,
+        surface=one.surface,
+        area=float(item.patches[0].area),
+        patch=item.patches[0],
         centre=centre,
         normal=normal,
+        gap=item.gap,
+        mate=None if is_shared else other.surface,
+        mate_patch=None if is_shared else item.patches[1],
     )
 
 
@@ -167,8 +170,20 @@ def _kind(
     if len(tubes) == 2 and all(surface in tube.surface_ids for surface, tube in zip(surfaces, tubes)):
         return "lap"  # one tube around the other
     if tubes:
-        return "pipe"
+        return "lap" if _lies_along(pair, normal) else "pipe"
     return _wall_kind(pair, surfaces, centre, middles)
+
+
+def _lies_along(pair: tuple[Segment, Segment], normal: Array) -> bool:
+    """Whether a plate and a cylinder-plate meet face to face, and their mid-surfaces at no angle: a tangent plate."""
+    first, second = pair[0].shape, pair[1].shape
+    plate, tube = (first, second) if isinstance(first, PlateShape) else (second, first)
+    if not isinstance(plate, PlateShape) or not isinstance(tube, CylinderShape):
+        return False
+    away = abs(plate.mid_offset - float(plate.normal @ tube.axis.point))
+    is_beside = abs(float(plate.normal @ tube.axis.direction)) < SQUARE
+    is_flat = away >= tube.mid_radius * float(np.sqrt(1.0 - CROSSING_SINE**2))
+    return is_beside and is_flat and abs(float(plate.normal @ normal)) > LIES_ALONG
 
 
 def _wall_kind(pair: tuple[Segment, Segment], surfaces: tuple[int, int], centre: Array, middles: _Middles) -> str:

@@ -1,15 +1,16 @@
 """Faces that look at one another over a small gap: near misses to be told, or joints where a gap is stated.
 
-Parallel planes and coaxial cylinders only: what is neither has no one gap.
-
     plane      outward +n at offset a,  outward -n at offset b > a:  gap b - a
     cylinder   a body's outside of radius a, another's bore of radius b > a:  gap b - a
+    tangent    a flat face beside a cylinder (tangents.py): the gap is that of the line where it is least
+
+Of these the tangents alone may touch, too: along a line, or over a strip that the cylinder's facets do not show.
 """
 
 from __future__ import annotations
 
 from bisect import bisect_right
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -19,9 +20,10 @@ import shapely
 from kernel.connect.joints import Joint
 from kernel.connect.parallels import carried, levels
 from kernel.connect.sides import FaceSide, patch_of, sides_of
+from kernel.connect.tangents import Tangent, tangents, touching_reach
 from kernel.errors import OptionError
 from kernel.segment.faces import Faces, Region, faces_of
-from kernel.segment.segments import Segment
+from kernel.segment.segments import CylinderShape, PlateShape, Segment
 from kernel.solid.surfaces import CylinderSurface, Plane, Surface
 
 if TYPE_CHECKING:
@@ -31,49 +33,106 @@ NEAR_MISS = 1e-3
 """Faces that are nearer to one another than this share of the model's size, and do not touch, are worth a word."""
 
 
+FULL = 0.5
+"""A flat face that a cylinder faces over this share of it stands against it; over less they touch along a line, which
+joins only walls that lie along one another."""
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class ClosePair:
     """Two faces `gap` apart, the one of the earlier segment first; patches: what they have opposite each other, each
     in its own surface's coordinates.
+
+    joins: whether a gap stated just above this one joins them.
     """
 
     faces: tuple[FaceSide, FaceSide]
     gap: float
     patches: tuple[Region, Region]
+    joins: bool = True
 
 
 def close_pairs(
-    segments: Sequence[Segment], evaluated: Evaluated, joints: Sequence[Joint], reach: float
+    segments: Sequence[Segment], evaluated: Evaluated, joined: Collection[tuple[int, int]], reach: float
 ) -> list[ClosePair]:
-    """Faces of segments without a joint that are up to `reach` apart, over more than reach^2; in order of segments."""
+    """Faces of segments that are up to `reach` apart, over more than reach^2; in order of segments.
+
+    joined: pairs of segments, by index and the earlier first, that are not asked for. With no reach at all: flat faces
+    and cylinders that touch.
+    """
     table = evaluated.solid.surfaces
-    joined = {frozenset(joint.segments) for joint in joints}
+    if not reach and not any(isinstance(surface, CylinderSurface) for surface in table.surfaces):
+        return []
     faces = [faces_of(segment.solid) for segment in segments]
     rows = [row for index, of_segment in enumerate(faces) for row in sides_of(index, of_segment)]
     found = []
-    for inner, outer, gap in _facing(rows, table.surfaces, table.tolerance, reach):
-        if frozenset((segments[inner.segment].id, segments[outer.segment].id)) in joined:
-            continue
+    for inner, outer, gap in _facing(rows, table.surfaces, table.tolerance, reach) if reach else ():
         pair = (inner, outer) if inner.segment < outer.segment else (outer, inner)
-        patches = _opposite(faces, pair, table.surfaces)
-        if patches[0].area > reach**2:
-            found.append(ClosePair(pair, gap, patches))
+        if (pair[0].segment, pair[1].segment) not in joined:
+            patches = _opposite(faces, pair, table.surfaces)
+            if patches[0].area > reach**2:
+                found.append(ClosePair(pair, gap, patches))
+    within = tangents(rows, faces, table.surfaces, table.tolerance, lambda c: reach + touching_reach(c), joined)
+    for item in within:
+        width = item.flat_patch.bounds
+        sliver = 10 * table.tolerance * max(width[2] - width[0], width[3] - width[1])
+        if item.least <= reach + table.tolerance and item.flat_patch.area > max(reach**2, sliver):
+            found.append(_beside(item, segments, touching_reach(_cylinder(table.surfaces, item)), table.tolerance))
     found.sort(key=lambda item: (item.faces[0].segment, item.faces[1].segment, item.faces[0].surface))
     return found
+
+
+def _cylinder(surfaces: Sequence[Surface], item: Tangent) -> CylinderSurface:
+    surface = surfaces[item.round.surface]
+    assert isinstance(surface, CylinderSurface)
+    return surface
+
+
+def _beside(item: Tangent, segments: Sequence[Segment], slack: float, tolerance: float) -> ClosePair:
+    """A tangent as a pair of faces: 0 apart where it touches."""
+    flat, bent = (segments[row.segment].shape for row in (item.flat, item.round))
+    is_lap = (
+        isinstance(flat, PlateShape)
+        and isinstance(bent, CylinderShape)
+        and item.flat.surface in flat.surface_ids
+        and item.round.surface == bent.surface_ids[1]
+    )
+    both = [(item.flat, item.flat_patch), (item.round, item.round_patch)]
+    both.sort(key=lambda one: one[0].segment)
+    return ClosePair(
+        faces=(both[0][0], both[1][0]),
+        gap=item.least if item.least > tolerance else 0.0,
+        patches=(both[0][1], both[1][1]),
+        joins=is_lap or (item.share >= FULL and item.most <= item.least + slack + tolerance),
+    )
 
 
 def near_misses(segments: Sequence[Segment], evaluated: Evaluated, joints: Sequence[Joint]) -> tuple[str, ...]:
     """A line for each pair of segments without a joint whose faces almost touch: a gap that was not meant?"""
     nearest: dict[tuple[int, int], ClosePair] = {}
-    for item in close_pairs(segments, evaluated, joints, NEAR_MISS * evaluated.size):
+    place = {segment.id: index for index, segment in enumerate(segments)}
+    known = [[place[name] for name in joint.segments if name in place] for joint in joints]
+    joined = {(min(pair), max(pair)) for pair in known if pair}
+    for item in close_pairs(segments, evaluated, joined, NEAR_MISS * evaluated.size):
         pair = (item.faces[0].segment, item.faces[1].segment)
-        if pair not in nearest or item.gap < nearest[pair].gap:
+        if pair not in nearest or (not item.joins, item.gap) < (not nearest[pair].joins, nearest[pair].gap):
             nearest[pair] = item
     return tuple(
-        f"{segments[a].id} and {segments[b].id} are {item.gap:.3g} apart over an area of {item.patches[0].area:.3g}: "
-        f"they are not joined (a stated gap of {_above(item.gap):.3g} would join them)"
+        f"{segments[a].id} and {segments[b].id} {_apart(item)}: they are not joined ({_remedy(item)})"
         for (a, b), item in sorted(nearest.items())
     )
+
+
+def _apart(item: ClosePair) -> str:
+    if not item.gap:
+        return "touch along a line of a cylinder"
+    return f"are {item.gap:.3g} apart over an area of {item.patches[0].area:.3g}"
+
+
+def _remedy(item: ClosePair) -> str:
+    if item.joins and item.gap:
+        return f"a stated gap of {_above(item.gap):.3g} would join them"
+    return "a flat face that runs into the cylinder would join them"
 
 
 def check_gap(gap: float, segments: Sequence[Segment]) -> None:

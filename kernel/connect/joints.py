@@ -17,13 +17,13 @@ JOINT_KINDS = ("edge", "corner", "tee", "cross", "lap", "step", "end_on", "along
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Joint:
-    """Two segments share an area of one surface, or look at one another over a stated gap.
+    """Two segments share an area of one surface, touch along a cylinder, or look at one another over a stated gap.
 
     id: "j1", ...; kind: one of JOINT_KINDS. segments: their two ids. surface: id of the shared surface in the table.
     area: of the patch. patch: its outline in the surface's own coordinates (plane: x.u, x.v; cylinder: r*angle, z).
     centre: (3,) the patch's centroid. normal: (3,) unit, out of the first segment into the second at the centre.
-    gap: distance of the two faces, 0 where they touch; else surface and patch are the first segment's, and mate and
-    mate_patch those of the second.
+    gap: distance of the two faces, 0 where they touch. Where they lie on two surfaces, surface and patch are the first
+    segment's, and mate and mate_patch those of the second.
     """
 
     id: str

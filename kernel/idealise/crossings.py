@@ -190,13 +190,18 @@ def _along(topology: Topology, crossing: Crossing, wall: Wall, edges: Sequence[A
 
 
 def _askew_gap(topology: Topology, crossing: Crossing, wall: Wall) -> float:
-    """How far the mid-surface of a wall cut square ends before the face of one that it meets askew."""
+    """How far the mid-surface of a wall cut square ends before the face that it meets askew, or within a bore."""
     carrier = topology.carrier(crossing.carrier)
     other = crossing.other(wall)
     low, high = whole_range(topology, carrier, other.segment.solid.bounds)
     point = carrier.at(np.array([0.5 * (low + high)]))
     cosine = float(abs(wall.sheet.normals(point)[0] @ other.sheet.normals(point)[0]))
-    return 0.5 * wall.thickness * cosine / float(np.sqrt(1 - cosine * cosine)) + topology.tolerance
+    gap = 0.5 * wall.thickness * cosine / float(np.sqrt(1 - cosine * cosine)) + topology.tolerance
+    surface = other.sheet.surface
+    if isinstance(surface, CylinderSurface):  # only the corners of a flat end touch a bore
+        bore = surface.radius - 0.5 * other.thickness
+        gap += bore - float(np.sqrt(max(0.0, bore**2 - (0.5 * wall.thickness) ** 2)))
+    return gap
 
 
 def _refuse_tangents(topology: Topology, crossing: Crossing) -> None:

@@ -17,6 +17,7 @@ from kernel.idealise.outlines import Stretch, stretch_between, trace_ring
 from kernel.idealise.parts import Parts
 from kernel.idealise.rings import boundary_rings
 from kernel.idealise.sheets import Sheet
+from kernel.idealise.tangent_lines import is_tangent
 from kernel.idealise.topology import Topology
 from kernel.idealise.walls import Wall, patch_points
 from kernel.segment.faces import faces_of
@@ -96,7 +97,7 @@ def lap_candidates(parts: Parts) -> list[Candidate]:
     """The outline of each plate of a lap, in the other: what of it lies there bounds the lap."""
     found = []
     for joint in parts.joints:
-        if joint.kind != "lap":
+        if joint.kind != "lap" or is_tangent(parts, joint):
             continue
         for name, other in (joint.segments, joint.segments[::-1]):
             wall = parts.walls[name]

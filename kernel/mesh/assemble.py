@@ -23,6 +23,7 @@ from kernel.idealise.imprints import crossing_candidates, imprint, lay_outlines,
 from kernel.idealise.ledger import misfits, unexplained, volume_ledger
 from kernel.idealise.parts import Parts
 from kernel.idealise.regions import join_walls
+from kernel.idealise.tangent_lines import tangent_candidates
 from kernel.idealise.topology import BOUNDARY, Curve, Topology
 from kernel.idealise.walls import corner_material, make_wall
 from kernel.mesh.apart import count_pieces, faces_apart, half_apart, joined_tees, lost_arms, torn, wanted_apart
@@ -200,7 +201,7 @@ def idealise(
     parts.joints = tuple(joint for joint in joints if joint.id not in apart)
     candidates = [*crossing_candidates(topology, crossings), *outline_candidates(topology, walls, joints)]
     candidates += arm_candidates(parts.arms)
-    candidates += [*footprint_candidates(parts), *lap_candidates(parts)]
+    candidates += [*footprint_candidates(parts), *lap_candidates(parts), *tangent_candidates(parts)]
     axes, parts.seats = seats(parts)
     candidates += axes
     if volumes != "tet":

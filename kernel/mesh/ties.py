@@ -10,6 +10,7 @@ from kernel.connect.joints import Joint
 from kernel.errors import ConnectError
 from kernel.idealise.footprints import edge_carriers, is_on_face
 from kernel.idealise.parts import Parts
+from kernel.idealise.tangent_lines import is_tangent
 from kernel.idealise.walls import Wall
 from kernel.mesh.assembly import Tie
 from kernel.mesh.beam_ties import beam_on_beam, beam_on_brick, beam_on_wall
@@ -64,9 +65,12 @@ def _joint_ties(meshed: Meshed, joint: Joint) -> list[Tie]:
 def _wall_on_wall(meshed: Meshed, joints: list[Joint], first: Wall, second: Wall) -> list[Tie]:
     """Nothing where the two share curves; else the nodes of the one in a contact follow the other's elements.
 
-    joints: all contacts of the two. One of them must do: the largest first, the smaller wall's nodes first.
+    joints: all contacts of the two. One of them must do: the largest first, the smaller wall's nodes first. A plate
+    that is tangent to a tube amid both walls shares a line with it, and what else lies in the contact follows, too.
     """
-    if any(second.index in seeded.curve.uses for seeded in meshed.curves.get(first.index, [])):
+    tangent = [joint for joint in joints if is_tangent(meshed.parts, joint)]
+    is_shared = any(second.index in seeded.curve.uses for seeded in meshed.curves.get(first.index, []))
+    if is_shared and not tangent:
         return []
     if any(first in arm.walls and second in arm.walls for arm in meshed.parts.arms):
         return []
@@ -76,8 +80,12 @@ def _wall_on_wall(meshed: Meshed, joints: list[Joint], first: Wall, second: Wall
     for joint in sorted(joints, key=lambda joint: (-joint.area, joint.id)):
         for follower, host in (by_area, by_area[::-1]):
             chosen = _contact_nodes(meshed, joint, follower, host)
+            if is_shared:
+                chosen = np.setdiff1d(chosen, meshed.faces[host.segment.id].nodes)
             if len(chosen) > 1:
                 return [_interpolated(meshed, joint, chosen, host, has_rotations=True)]
+    if is_shared:
+        return []
     names = ", ".join(joint.id for joint in joints)
     raise ConnectError(
         f"{first.segment.id} and {second.segment.id} touch ({names}) without a common curve, and neither has nodes in "

@@ -8,7 +8,6 @@ brick. Drafts were decided on their untrimmed solids and keep their full length.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -20,7 +19,7 @@ from kernel.segment.shapes import Draft
 from kernel.segment.slabs import most_shared
 from kernel.segment.walls import PlaneWall, TubeWall, Vector
 from kernel.solid.fins import without_fins
-from kernel.solid.lathe import SEGMENTS_PER_TURN
+from kernel.solid.lathe import SAGITTA
 from kernel.solid.solid import Solid, intersect, subtract, unite
 
 RANK = {"brick": 0, "plate": 1, "cylinder_plate": 1, "beam": 2}
@@ -38,9 +37,6 @@ UNTOUCHED = 1e-9
 
 THROUGH = 1e-3
 """An overlap nearer than this many thicknesses to a wall's face reaches that face."""
-
-CHORD = 1.0 - math.cos(math.pi / SEGMENTS_PER_TURN)
-"""Of a tube's radius: so far may a facet of its face lie off it."""
 
 
 def settle_overlaps(drafts: Sequence[Draft]) -> list[Draft]:
@@ -102,7 +98,7 @@ def _ends_within(brick: Draft, draft: Draft) -> bool:
     else:
         bottom, top = wall.inner_radius, wall.outer_radius
         depth, whole = (_radii(solid, wall) for solid in (shared, brick.solid))
-    near = THROUGH * wall.thickness + (CHORD * wall.outer_radius if isinstance(wall, TubeWall) else 0.0)
+    near = THROUGH * wall.thickness + (SAGITTA * wall.outer_radius if isinstance(wall, TubeWall) else 0.0)
     reaches_bottom, reaches_top = bool(depth.min() < bottom + near), bool(depth.max() > top - near)
     goes_on = bool(whole.min() < bottom - near) if reaches_bottom else bool(whole.max() > top + near)
     return reaches_bottom != reaches_top and goes_on

@@ -20,11 +20,21 @@ from kernel.segment.faces import Region, faces_of
 from kernel.segment.slices import parts_of, slice_loops, slice_polygon
 from kernel.segment.walls import LARGE_HOLE, PlaneWall, TubeWall, Wall, find_walls, least_radius
 from kernel.solid.fins import without_fins
+from kernel.solid.lathe import SAGITTA
 from kernel.solid.solid import half_space_cut, intersect, prism, subtract, tube, unite
 from kernel.solid.surfaces import CylinderSurface, PlaneFrame
 
 if TYPE_CHECKING:
     from kernel.solid.solid import Solid
+
+ALONG = 1e-6
+"""A wall lies along an axis when its normal is this near (cosine) to square to it."""
+
+FACETS = 2.0 * SAGITTA
+"""Of its radius: what a tube's trace is wider by than its true circles, for other faces end at its facets."""
+
+TANGENT = 0.985
+"""A plane this far from a tube's axis, of its mean radius, meets its mid-surface at less than 10 degrees."""
 
 GROWTH = 1.1
 """Into a crossing wall a slab grows by this many times what it takes to reach through it, along itself."""
@@ -147,6 +157,7 @@ def _grown(filled: Region, wall: PlaneWall, walls: tuple[Wall, ...]) -> Region:
     No further: beyond a plate that a web stands on, another web may stand in line with it (a beam over its column).
     """
     crossing = [other for other in walls if other is not wall and not _is_parallel(wall, other)]
+    crossing = [other for other in crossing if not (isinstance(other, TubeWall) and _is_tangent(wall, other))]
     if not crossing:
         return filled
     ways = [_way_through(wall, other) for other in crossing]
@@ -176,7 +187,7 @@ def _filled(solid: Solid, wall: PlaneWall, walls: tuple[Wall, ...], middle: Regi
     """The paired region with its holes, and with what stands on its edge as it might inside.
 
     Where only one of the two faces is there, something stands on the other: it is filled in at the edge too, where it
-    is no larger than a LARGE_HOLE and no other wall's.
+    is no larger than a LARGE_HOLE and no other wall's, or where a tube lies along the wall.
     """
     filled = shapely.union_all([Polygon(part.exterior) for part in parts_of(wall.paired)])
     faces = faces_of(solid)
@@ -186,11 +197,11 @@ def _filled(solid: Solid, wall: PlaneWall, walls: tuple[Wall, ...], middle: Regi
     if others:
         one_sided = one_sided.difference(shapely.union_all(others))
     size = max(1e-6 * wall.area, solid.surfaces.tolerance * wall.thickness)
-    edges = [
-        part
-        for part in parts_of(one_sided)
-        if size < part.area <= LARGE_HOLE * wall.thickness**2 and part.distance(filled) < solid.surfaces.tolerance
-    ]
+    edges = [part for part in parts_of(one_sided) if size < part.area <= LARGE_HOLE * wall.thickness**2]
+    tubes = [_beside(wall, other) for other in walls if isinstance(other, TubeWall)]
+    if any(not strip.is_empty for strip in tubes):
+        edges += [part for part in parts_of(one_sided.intersection(shapely.union_all(tubes))) if part.area > size]
+    edges = [part for part in edges if part.distance(filled) < solid.surfaces.tolerance]
     return shapely.union_all([filled, *edges]) if edges else filled
 
 
@@ -252,6 +263,34 @@ def _trace(wall: PlaneWall, other: Wall, centre: np.ndarray, reach: float) -> Re
         start + across * low + along_strip * reach,
     ]
     return Polygon(corners)
+
+
+def _is_tangent(wall: PlaneWall, other: TubeWall) -> bool:
+    """Whether the mid-surfaces of a wall and of a tube along it meet at no angle, if they meet: none runs through."""
+    away = abs(0.5 * (wall.bottom + wall.top) - float(wall.normal @ other.axis.point))
+    return abs(float(wall.normal @ other.axis.direction)) <= ALONG and away >= TANGENT * other.mid_radius
+
+
+def _beside(wall: PlaneWall, other: TubeWall) -> Region:
+    """The strips, or the one, in which a tube's material may lie between the faces of a wall along its axis.
+
+    Empty where the wall does not lie along the axis, or passes the tube by.
+    """
+    at = float(wall.normal @ other.axis.point)
+    nearest = max(wall.bottom - at, at - wall.top, 0.0)
+    farthest = max(abs(wall.bottom - at), abs(wall.top - at))
+    outer, inner = other.outer_radius * (1.0 + FACETS), other.inner_radius * (1.0 - FACETS)
+    if abs(float(wall.normal @ other.axis.direction)) > ALONG or nearest >= outer:
+        return Polygon()
+    high, low = float(np.sqrt(outer**2 - nearest**2)), float(np.sqrt(max(0.0, inner**2 - farthest**2)))
+    axes = np.stack([wall.u, wall.v])
+    along, foot = axes @ other.axis.direction, axes @ other.axis.point
+    across = np.array([-along[1], along[0]])
+    _, start, _, end = other.paired.bounds
+    strips = []
+    for a, b in ((-high, -low), (low, high)):
+        strips.append(Polygon([foot + across * x + along * z for x, z in ((a, start), (b, start), (b, end), (a, end))]))
+    return shapely.union_all(strips)
 
 
 def _tube_slab(solid: Solid, wall: TubeWall, walls: tuple[Wall, ...]) -> Solid | None:

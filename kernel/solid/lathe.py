@@ -24,6 +24,9 @@ SEGMENTS_PER_TURN = 96
 A chord's sagitta is then 5e-4 of the radius; surfaces are exact beside the facets, so more would only cost time.
 """
 
+SAGITTA = 1.0 - float(np.cos(np.pi / SEGMENTS_PER_TURN))
+"""Of a radius: so far may a chord of its circle lie within it."""
+
 
 def unit_circle(count: int = SEGMENTS_PER_TURN) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """(cos, sin) at `count` even angles from 0; exactly symmetric about both axes where 4 divides the count."""

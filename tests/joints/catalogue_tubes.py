@@ -105,13 +105,36 @@ TUBES = {
         "cylinder_plate cylinder_plate plate",
     ),
     "pipe sunk into a plate": Joined(
-        union(cube(240, 200, 8, (-120, 0, -62)), placed(PIPE, turn=turned("x", -90))), "pipe", "cylinder_plate plate"
+        union(cube(240, 200, 8, (-120, 0, -62)), placed(PIPE, turn=turned("x", -90))), "lap", "cylinder_plate plate"
     ),
     "sleeve on a pipe": Joined(union(PIPE, tube(80, 64, 60, (0, 0, 60))), "lap", "cylinder_plate cylinder_plate"),
     "pipe that slides out of another": Joined(
         union(PIPE, tube(200, 56, 52, (0, 0, 120))), "lap", "cylinder_plate cylinder_plate"
     ),
     "saddle on a pipe": Joined(union(PIPE, half(tube(80, 64, 60, (0, 0, 60)))), "lap", "cylinder_plate cylinder_plate"),
+    **{
+        f"plate on a pipe, {depth} deep in it": Joined(
+            union(PIPE, cube(200, 6, 160, (-110, 60 - depth, 20))), "lap", "cylinder_plate plate"
+        )
+        for depth in (0, 0.01, 0.5, 2, 3.5)
+    },
+    "plate on a pipe by its edge": Joined(union(PIPE, cube(120, 6, 200, (0, 60, 0))), "lap", "cylinder_plate plate"),
+    "pipe between two plates": Joined(
+        union(PIPE, *(cube(300, 6, 200, (-150, y, 0)) for y in (60, -66))), "lap", "cylinder_plate plate plate"
+    ),
+    "pipes on a plate": Joined(
+        union(cube(400, 6, 200, (-80, 60, 0)), PIPE, tube(200, 60, 56, (150, 0, 0))),
+        "lap",
+        "cylinder_plate cylinder_plate plate",
+    ),
+    "gussets against a pipe": Joined(
+        union(
+            tube(300, 60, 56),
+            *(cube(80, 6, 120, turned("z", a) @ (60, -3, 90), turned("z", a)) for a in (0, 77, 130, 240)),
+        ),
+        "pipe",
+        "cylinder_plate plate plate plate plate",
+    ),
     "diaphragm": Joined(union(PIPE, rod(6, 56, (0, 0, 97))), "pipe", "cylinder_plate plate"),
     "half diaphragm": Joined(union(PIPE, half(rod(6, 56, (0, 0, 97)))), "pipe", "cylinder_plate plate"),
     "plate through a pipe": Joined(union(PIPE, cube(200, 6, 100, (-100, -3, 50))), "pipe", "cylinder_plate plate"),
