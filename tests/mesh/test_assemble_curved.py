@@ -87,7 +87,7 @@ def test_pipes_one_inside_the_other_are_partitioned_whatever_rounding_leaves_in_
     outer, inner = ("(CYL(R=50, H=300) DIF CYL(R=47, H=300))", "(CYL(R=47, H=300) DIF CYL(R=44, H=300))")
     evaluated = evaluate(read_model(f"UNITS mm\nM = {outer} UN ({inner} AT (MOVZ=250))\n", "test"))
     segments = partition(evaluated, RULES.decide, {}).segments
-    assert [joint.kind for joint in find_joints(segments, evaluated)] == ["pipe"]
+    assert [joint.kind for joint in find_joints(segments, evaluated)] == ["lap"]
 
 
 def test_areas_that_cannot_be_joined_are_an_error_that_names_the_node(monkeypatch):
