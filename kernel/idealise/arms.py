@@ -27,8 +27,10 @@ from kernel.idealise.crossings import Crossing, slab_edges
 from kernel.idealise.imprints import Candidate
 from kernel.idealise.intersections import intersection
 from kernel.idealise.outlines import PolygonLike, Stretch, unwrapped, windowed
-from kernel.idealise.regions import GRID, drawn, outline_of, strip
+from kernel.idealise.regions import GRID, drawn, outline_of
+from kernel.idealise.strips import strip
 from kernel.idealise.topology import Topology
+from kernel.idealise.tube_curve import TubeCurve
 from kernel.idealise.walls import Wall
 from kernel.segment.slices import parts_of
 from kernel.solid.surfaces import signed_distance
@@ -243,6 +245,8 @@ def _as_tee(
     """The tee, with the carrier on which the web is to end; None where it has no edge at the flange's face."""
     flange = flanges[0]
     carrier = topology.carrier(along.carrier)
+    if isinstance(carrier, TubeCurve):
+        return None  # at its bends the branch lies in the run's wall: no arm leads off its face there
     points = carrier.at(along.start + PROBES * (along.end - along.start))
     beyond = slab_edges(web, flange, points, crossing.gap.get(web.index, 0.0) + ASIDE * web.thickness)
     sides = []

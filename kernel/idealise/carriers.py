@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kernel.idealise.implicit import project
+from kernel.idealise.tube_curve import TubeCurve, TubeFrame, tube_curve
 from kernel.solid.surfaces import Surface, plane_frame
 
 Array = NDArray[np.float64]
@@ -140,7 +141,7 @@ class Traced:
         return values[(values > start + margin) & (values < end - margin)]
 
 
-Carrier = Line | Circle | Traced
+Carrier = Line | Circle | Traced | TubeCurve
 
 
 def distance_to(carrier: Carrier, points: Array) -> Array:
@@ -211,6 +212,7 @@ class CarrierTable:
         # Directions may differ by what displaces the far end by the tolerance.
         self._lines, self._circles = _Keys(8 * tolerance), _Keys(2 * tolerance)
         self._traced: dict[tuple[int, ...], list[int]] = {}
+        self._tubes: dict[tuple[int, int, float, float], int] = {}
 
     def __getitem__(self, index: int) -> Carrier:
         return self.carriers[index]
@@ -267,13 +269,20 @@ class CarrierTable:
                 return index
         return None
 
+    def tube(self, ids: tuple[int, int], frame: TubeFrame, side: float) -> int:
+        """The curve of that side (1 or -1) of two tubes whose ids in the surface table are `ids`."""
+        key = (min(ids), max(ids), side, frame.pinch)
+        if key not in self._tubes:
+            self._tubes[key] = self._append(tube_curve(frame, side))
+        return self._tubes[key]
+
     def traced(self, ids: tuple[int, ...], surfaces: Sequence[Surface], guide: Array, is_closed: bool) -> int:
         """A new curve through `guide` (n, 3) on `surfaces`, whose ids in the surface table are `ids`."""
         points = project(guide, surfaces)
         key = tuple(sorted(ids))
         steps = np.linalg.norm(np.diff(points, axis=0), axis=1)
         keep = np.ones(len(points), dtype=bool)
-        keep[1:] = steps > min(4 * self.tolerance, 0.1 * float(steps.sum()))
+        keep[1:] = steps > min(4 * self.tolerance, 0.5 * float(steps.mean()))
         points = points[keep]
         if is_closed and np.linalg.norm(points[-1] - points[0]) <= 4 * self.tolerance:
             points = points[:-1]

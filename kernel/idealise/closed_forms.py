@@ -136,7 +136,7 @@ def strip_area(topology: Topology, curve: Curve, wall: Wall, other: Wall, side: 
     values = []
     for count in (SAMPLES, 2 * SAMPLES, 4 * SAMPLES):
         points = carrier.at(np.linspace(curve.start, curve.end, count + 1))
-        edge = slab_edges(wall, other, points, 0.0)[0 if side > 0 else 1]
+        edge = slab_edges(wall, other, points, 0.0, carrier)[0 if side > 0 else 1]
         inner, outer = unwrapped(wall.sheet, points), unwrapped(wall.sheet, edge)
         if wall.sheet.turn is not None:
             outer = outer + (wall.sheet.turn * np.round((inner[0, 0] - outer[0, 0]) / wall.sheet.turn), 0.0)

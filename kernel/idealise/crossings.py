@@ -15,10 +15,11 @@ from kernel.idealise.carriers import Carrier, Line, Traced, distance_to
 from kernel.idealise.implicit import project
 from kernel.idealise.intersections import intersection
 from kernel.idealise.outlines import PolygonLike, unwrapped, windowed
-from kernel.idealise.sheets import PlaneSheet
+from kernel.idealise.sheets import CylinderSheet, PlaneSheet
+from kernel.idealise.thirds import Thirds, lengthened
 from kernel.idealise.topology import Topology
+from kernel.idealise.tube_curve import TubeCurve, pinched, slab_sides
 from kernel.idealise.walls import CROSSING_SINE, Wall, patch_points
-from kernel.solid.boxes import BoxIndex
 from kernel.solid.surfaces import CylinderSurface, Plane, Surface, cross, signed_distance
 
 Array = NDArray[np.float64]
@@ -27,12 +28,11 @@ Interval = tuple[float, float]
 CURVED_OVERLAP = 0.02
 """Share of the thinner wall by which strips beside curved joints overlap the walls: more than chords deviate."""
 
-NEARLY_INSIDE = 0.2
-"""A joint curve that ends this share of a third wall's thickness before that wall goes on through it."""
+MOST_PINCH = 0.5
+"""Tubes that meet are given a common radius when that moves one by no more than this share of the thinner wall."""
 
-
-LONGEST_WITHIN = 20.0
-"""A joint curve that stays within a third wall for this many of its thicknesses runs along it, not through it."""
+NEAR_BEND = 0.05
+"""What ends within this share of the curve between two bends from where the walls merge goes on to the bend."""
 
 
 @dataclass(slots=True, eq=False)
@@ -59,7 +59,7 @@ class Crossing:
 def find_crossings(topology: Topology, walls: Sequence[Wall], joints: Sequence[Joint]) -> list[Crossing]:
     """Every curve in which the mid-surfaces of two joined walls meet at an angle."""
     by_id = {wall.segment.id: wall for wall in walls}
-    thirds = _Thirds(walls, joints)
+    thirds = Thirds(walls, joints)
     found: dict[tuple[int, int, int], Crossing] = {}
     for joint in joints:
         if joint.gap or not all(name in by_id for name in joint.segments):
@@ -76,6 +76,7 @@ def find_crossings(topology: Topology, walls: Sequence[Wall], joints: Sequence[J
         _refuse_tangents(topology, crossing)
         for wall in crossing.walls:
             crossing.reach[wall.index] = _reach(topology, crossing, wall)
+    _pinch_tubes(topology, list(found.values()))
     reached = {
         (crossing.carrier, wall.sheet.surface_id)
         for crossing in found.values()
@@ -83,12 +84,14 @@ def find_crossings(topology: Topology, walls: Sequence[Wall], joints: Sequence[J
         if crossing.reach[wall.index]
     }
     for crossing in found.values():
+        is_of_tubes = isinstance(topology.carrier(crossing.carrier), TubeCurve)
         for wall in crossing.walls:
             # Where a coplanar neighbour reaches the curve, this wall is the part beyond it, not one cut askew.
-            if not crossing.reach[wall.index] and (crossing.carrier, wall.sheet.surface_id) not in reached:
+            bare = not crossing.reach[wall.index] and (crossing.carrier, wall.sheet.surface_id) not in reached
+            if bare and not is_of_tubes:
                 crossing.gap[wall.index] = _askew_gap(topology, crossing, wall)
                 crossing.reach[wall.index] = _reach(topology, crossing, wall)
-            intervals = [_lengthened(topology, crossing, ends, thirds) for ends in crossing.reach[wall.index]]
+            intervals = [lengthened(topology, crossing, ends, thirds) for ends in crossing.reach[wall.index]]
             crossing.reach[wall.index] = merged(
                 intervals, 10 * topology.tolerance, topology.carrier(crossing.carrier).period
             )
@@ -124,12 +127,17 @@ def offset_surface(surface: Surface, distance: float) -> Surface:
     return CylinderSurface(surface.axis, surface.axis_id, surface.radius + distance)
 
 
-def slab_edges(wall: Wall, other: Wall, points: Array, margin: float) -> tuple[Array, Array]:
+def slab_edges(
+    wall: Wall, other: Wall, points: Array, margin: float, carrier: Carrier | None = None
+) -> tuple[Array, Array]:
     """Where `wall`'s sheet leaves the slab of `other`, on its two sides, for points (n, 3) of the joint curve.
 
-    margin: by how much the slab is taken thicker on each side.
+    margin: by how much the slab is taken thicker on each side. carrier: that of the points; may be left out where it
+    is no curve of two tubes.
     """
     half = 0.5 * other.thickness + margin
+    if isinstance(carrier, TubeCurve):
+        return slab_sides(carrier, wall.sheet.surface, points, half)
     if isinstance(wall.sheet, PlaneSheet) and isinstance(other.sheet, PlaneSheet):
         aside = cross(wall.sheet.normal, cross(wall.sheet.normal, other.sheet.normal))
         shift = aside * (half / float(aside @ aside))
@@ -167,12 +175,43 @@ def _reach(topology: Topology, crossing: Crossing, wall: Wall) -> list[Interval]
     low, high = whole_range(topology, carrier, other.segment.solid.bounds)
     curve = samples(topology, carrier, low, high)
     margin += crossing.gap.get(wall.index, 0.0)
+    if isinstance(carrier, TubeCurve):
+        return _reach_of_lobes(topology, crossing, wall, carrier, margin)
     touching = _along(topology, crossing, wall, slab_edges(wall, other, curve, margin))
     within = _along(topology, crossing, wall, slab_edges(wall, other, curve, -margin)) if touching else []
     # A wall that owns a corner's material may have more of it than it touches the other's slab along.
     slack = 10 * topology.tolerance
     longer = [ends for ends in within if any(ends[0] <= b + slack and a <= ends[1] + slack for a, b in touching)]
     return merged([*touching, *longer], slack, carrier.period)
+
+
+def _reach_of_lobes(
+    topology: Topology, crossing: Crossing, wall: Wall, carrier: TubeCurve, margin: float
+) -> list[Interval]:
+    """The same on the curve of two tubes: what touches up to where the walls merge reaches to the bend beyond.
+
+    Near a bend both walls lie within one another, whoever owns the material, and their sections say nothing there.
+    """
+    other = crossing.other(wall)
+    slack = 10 * topology.tolerance
+    found: list[Interval] = []
+    bottom, top = carrier.bends
+    clear_lobes = carrier.clear_of_bends(0.5 * max(wall.thickness, other.thickness) + margin)
+    for (low, high), clear in zip(((bottom, top), (top, carrier.period)), clear_lobes):
+        if clear[1] <= clear[0]:
+            continue
+        points = samples(topology, carrier, *clear)
+        for start, end in merged(
+            _along(topology, crossing, wall, slab_edges(wall, other, points, margin, carrier)), slack, carrier.period
+        ):
+            turns = carrier.period * np.floor((start + slack) / carrier.period)
+            ends = [start - turns, end - turns]
+            if ends[0] <= clear[0] + NEAR_BEND * (high - low):
+                ends[0] = low
+            if ends[1] >= clear[-1] - NEAR_BEND * (high - low):
+                ends[1] = high
+            found.append((ends[0], ends[1]))
+    return merged(found, slack, carrier.period)
 
 
 def _along(topology: Topology, crossing: Crossing, wall: Wall, edges: Sequence[Array]) -> list[Interval]:
@@ -204,11 +243,77 @@ def _askew_gap(topology: Topology, crossing: Crossing, wall: Wall) -> float:
     return gap
 
 
+def _pinch_tubes(topology: Topology, crossings: Sequence[Crossing]) -> None:
+    """Give tubes that go on from one of their two curves to the other a common radius; vertices at all bends.
+
+    So do those of a mitre, or a branch a little wider than its run: with different radii the two curves do not meet.
+    ConnectError where the mid-surface of one lies outside the other's wall.
+    """
+    pairs: dict[tuple[int, int], list[Crossing]] = {}
+    for crossing in crossings:
+        if isinstance(topology.carrier(crossing.carrier), TubeCurve):
+            pairs.setdefault((crossing.walls[0].index, crossing.walls[1].index), []).append(crossing)
+    for beside in pairs.values():
+        if any(_is_of_one_lobe(topology, crossing) for crossing in beside):
+            for crossing in beside:
+                _pinch(topology, crossing)
+        for crossing in beside:
+            carrier = topology.carrier(crossing.carrier)
+            assert isinstance(carrier, TubeCurve)
+            for value, point in zip(carrier.bends, carrier.at(np.array(carrier.bends))):
+                topology.cut(crossing.carrier, value, point)
+
+
+def _is_of_one_lobe(topology: Topology, crossing: Crossing) -> bool:
+    """Whether both walls reach the curve of two tubes of different radii, but not all round."""
+    carrier = topology.carrier(crossing.carrier)
+    assert isinstance(carrier, TubeCurve)
+    a, b = crossing.walls
+    if not crossing.reach[a.index] or not crossing.reach[b.index] or not max(carrier.frame.gaps):
+        return False
+    whole = [(0.0, carrier.period)]
+    ends = [end for wall in (a, b) if crossing.reach[wall.index] != whole for end in crossing.reach[wall.index]]
+    return any(carrier.is_bend(value, topology.tolerance) for end in ends for value in end)
+
+
+def _pinch(topology: Topology, crossing: Crossing) -> None:
+    carrier = topology.carrier(crossing.carrier)
+    assert isinstance(carrier, TubeCurve)
+    a, b = crossing.walls
+    frame = pinched(carrier.frame)
+    radii = [wall.sheet.radius for wall in (a, b) if isinstance(wall.sheet, CylinderSheet)]
+    if frame.pinch > MOST_PINCH * min(a.thickness, b.thickness):
+        raise ConnectError(
+            f"the mid-surfaces of {a.segment.id} (radius {radii[0]:.6g}) and {b.segment.id} (radius "
+            f"{radii[1]:.6g}) come within {frame.pinch:.6g} of one another near "
+            f"{topology.place_text(carrier.at(np.zeros(1))[0])} without meeting there, expected less than half the "
+            "thinner wall: one of them may be made a brick"
+        )
+    crossing.carrier = topology.carriers.tube((a.sheet.surface_id, b.sheet.surface_id), frame, carrier.side)
+    for wall in (a, b):
+        wall.known.append(crossing.carrier)
+        crossing.reach[wall.index] = _reach(topology, crossing, wall)
+
+
+def pinch_notes(topology: Topology, crossings: Sequence[Crossing]) -> list[str]:
+    """A line for each two tubes that were given a common radius where they meet."""
+    notes = {}
+    for crossing in crossings:
+        carrier = topology.carrier(crossing.carrier)
+        if isinstance(carrier, TubeCurve) and carrier.frame.pinch:
+            a, b = (wall.segment.id for wall in crossing.walls)
+            notes[a, b] = (
+                f"the mid-surfaces of {a} and {b} miss one another by {carrier.frame.pinch:.4g} where they run side by "
+                f"side: they meet as if both had the radius {carrier.frame.small.radius:.6g}"
+            )
+    return list(notes.values())
+
+
 def _refuse_tangents(topology: Topology, crossing: Crossing) -> None:
     """ConnectError where two mid-surfaces touch somewhere on the curve in which they meet."""
     carrier = topology.carrier(crossing.carrier)
-    if isinstance(carrier, Line):
-        return
+    if isinstance(carrier, Line | TubeCurve):
+        return  # tubes whose axes cross at an angle, however flat they meet at the bends of their curve
     a, b = crossing.walls
     points = samples(topology, carrier, *whole_range(topology, carrier, a.segment.solid.bounds))
     sine = np.linalg.norm(np.cross(a.sheet.normals(points), b.sheet.normals(points)), axis=1)
@@ -248,85 +353,3 @@ def merged(intervals: Sequence[Interval], slack: float, period: float | None = N
         if result[0][1] - result[0][0] >= period - slack:
             return [(0.0, period)]
     return [(start, end) for start, end in result]
-
-
-class _Thirds:
-    """The walls that two crossing ones touch, found by place: a floor touches thousands, and few stand at one end."""
-
-    def __init__(self, walls: Sequence[Wall], joints: Sequence[Joint]) -> None:
-        self._walls = walls
-        self._index = BoxIndex([wall.segment.solid.bounds for wall in walls])
-        names = {wall.segment.id for wall in walls}
-        self._touching: dict[str, set[str]] = {name: set() for name in names}
-        for joint in joints:
-            one, two = joint.segments
-            if one in names and two in names:
-                self._touching[one].add(two)
-                self._touching[two].add(one)
-        self._thickest = max((wall.thickness for wall in walls), default=0.0)
-
-    def at(self, crossing: Crossing, point: Array) -> list[Wall]:
-        """Walls other than the crossing's two that touch one of them and come near a point (3,) of its curve."""
-        a, b = crossing.walls
-        reach = 2 * (a.thickness + b.thickness + self._thickest)
-        near = [self._walls[number] for number in self._index.near(point - reach, point + reach)]
-        touching = (self._touching[a.segment.id], self._touching[b.segment.id])
-        found = {wall.segment.id: wall for wall in near if any(wall.segment.id in names for names in touching)}
-        return [found[name] for name in sorted(found.keys() - {a.segment.id, b.segment.id})]
-
-
-def _lengthened(topology: Topology, crossing: Crossing, ends: Interval, thirds: _Thirds) -> Interval:
-    """The interval, carried on at each end through the slabs of third walls within which it ends."""
-    carrier = topology.carrier(crossing.carrier)
-    if carrier.period is not None and ends[1] - ends[0] >= carrier.period - topology.tolerance:
-        return ends
-    result = []
-    for end, sign in zip(ends, (-1.0, 1.0)):
-        for third in thirds.at(crossing, carrier.at(np.array([end]))[0]):
-            end = _carried_on(carrier, end, sign, third, topology.tolerance)
-        result.append(end)
-    return result[0], result[1]
-
-
-def _carried_on(carrier: Carrier, end: float, sign: float, third: Wall, tolerance: float) -> float:
-    """The end of a curve, carried on in the direction `sign` to the face of a third wall where it lies within that."""
-    surface = third.sheet.surface
-    if isinstance(carrier, Line) and isinstance(surface, Plane):
-        return _carried_straight(carrier, end, sign, surface, third.thickness, tolerance)
-    half = 0.5 * third.thickness
-    step = sign * NEARLY_INSIDE * third.thickness
-
-    def outside(value: float) -> float:
-        point = carrier.at(np.array([value]))
-        return float(abs(signed_distance(surface, point)[0])) - half
-
-    if outside(end) >= -tolerance and outside(end + step) >= 0:
-        return end
-    inner = end
-    for _ in range(round(LONGEST_WITHIN / NEARLY_INSIDE)):
-        if outside(inner + step) > 0:
-            break
-        inner += step
-    else:
-        return end  # the curve runs within the third wall: it ends where the walls do
-    low, high = (inner, inner + step) if outside(inner) <= 0 else (inner, inner)
-    for _ in range(80):
-        middle = 0.5 * (low + high)
-        low, high = (middle, high) if outside(middle) <= 0 else (low, middle)
-    return low
-
-
-def _carried_straight(line: Line, end: float, sign: float, plane: Plane, thickness: float, tolerance: float) -> float:
-    """The same for a line and a flat wall, without a search."""
-    half = 0.5 * thickness
-    start = line.at(np.array([end]))[0]
-    across = sign * float(line.direction @ plane.normal)
-    place = float(start @ plane.normal) - plane.offset
-    step = NEARLY_INSIDE * thickness
-    if abs(place) - half >= -tolerance and abs(place + across * step) - half >= 0:
-        return end
-    if across < 0:
-        across, place = -across, -place
-    if half - place > across * LONGEST_WITHIN * thickness:
-        return end
-    return end + sign * (half - place) / across

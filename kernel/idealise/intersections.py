@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from kernel.errors import MeshError
 from kernel.idealise.carriers import CarrierTable
 from kernel.idealise.implicit import project
+from kernel.idealise.tube_curve import SHARP, tube_frame
 from kernel.solid.surfaces import (
     ConeSurface,
     CylinderSurface,
@@ -174,6 +175,10 @@ def intersection(
     along = _straight_direction(a, b)
     if along is not None:
         return table.line(middle, along)
+    ordered = sorted((first, second))  # one frame, whichever is asked for first
+    tubes = tube_frame(surfaces[ordered[0]], surfaces[ordered[1]], table.tolerance)
+    if tubes is not None and tubes.least_sine < SHARP:
+        return table.tube((first, second), tubes, tubes.sign(guide))
     known = table.find_traced((first, second), middle)
     if known is not None:
         return known

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +23,7 @@ from kernel.idealise.outlines import Stretch, unwrapped
 from kernel.idealise.parts import Parts
 from kernel.idealise.sheets import PlaneSheet, Sheet
 from kernel.idealise.topology import BOUNDARY, Curve, Topology
+from kernel.idealise.tube_curve import TubeCurve
 from kernel.idealise.walls import Wall
 from kernel.segment.segments import Segment
 
@@ -62,13 +64,28 @@ def _swept_area(topology: Topology, sheet: Sheet, stretch: Stretch) -> float:
         chord = ends[1] - ends[0]
         moment = 0.5 * float(centre[0] * chord[1] - centre[1] * chord[0])
         return sign * (moment + turned * 0.5 * carrier.radius * (stretch.end - stretch.start))
-    counts = (1,) if isinstance(carrier, Line) else (_STEPS, 2 * _STEPS, 4 * _STEPS, 8 * _STEPS)
+    if isinstance(carrier, TubeCurve):
+        parts = itertools.pairwise([stretch.start, *_bends_within(carrier, stretch), stretch.end])
+        pieces = [replace(stretch, start=start, end=end) for start, end in parts]
+        return sign * sum(_extrapolated(topology, sheet, piece, _STEPS) for piece in pieces)
+    return sign * _extrapolated(topology, sheet, stretch, 1 if isinstance(carrier, Line) else _STEPS)
+
+
+def _bends_within(carrier: TubeCurve, stretch: Stretch) -> list[float]:
+    """Parameters of the sharp bends within a stretch: sums on both sides of one do not converge together."""
+    turns = [bend + turn * carrier.period for turn in (-1, 0, 1) for bend in carrier.bends]
+    return [value for value in turns if stretch.start < value < stretch.end]
+
+
+def _extrapolated(topology: Topology, sheet: Sheet, stretch: Stretch, steps: int) -> float:
+    """The integral forwards, from sums of 1, 2, 4 and 8 times as many steps; of one step as it is."""
+    counts = (1,) if steps == 1 else (steps, 2 * steps, 4 * steps, 8 * steps)
     values = [_polyline_area(sheet, _line(topology, sheet, stretch, count)) for count in counts]
     factor = 4.0
     while len(values) > 1:
         values = [(factor * fine - coarse) / (factor - 1) for coarse, fine in itertools.pairwise(values)]
         factor *= 4.0
-    return sign * values[0]
+    return values[0]
 
 
 def _line(topology: Topology, sheet: Sheet, stretch: Stretch, count: int) -> NDArray[np.float64]:

@@ -14,17 +14,21 @@ import shapely
 from numpy.typing import NDArray
 from shapely import MultiPolygon, Polygon
 
-from kernel.idealise.carriers import Carrier, Circle, Line, Traced
+from kernel.idealise.carriers import Carrier, Circle, Line, Traced, distance_to
 from kernel.idealise.implicit import project
 from kernel.idealise.intersections import intersection
 from kernel.idealise.sheets import PlaneSheet, Sheet
 from kernel.idealise.topology import Topology
+from kernel.idealise.tube_curve import TubeCurve
 from kernel.solid.surfaces import Axis, CylinderSurface, FacetedSurface, Plane, Surface, cross
 from kernel.solid.table import SurfaceTable
 
 Array = NDArray[np.float64]
 SEAM_GRID = 1e-9
 """Outlines that close over the seam are rounded to this share of the model's size, so that their ends meet."""
+
+BEND = 2e-4
+"""Curves of tubes meet in a corner that lies within this share of the radius from where they were found to meet."""
 
 LINES_CROSS = 1e-4
 """Least sine at which two lines cross in one point."""
@@ -211,6 +215,8 @@ def even_odd(lines: list[Array]) -> PolygonLike:
 
 def transversal(sheet: Sheet, carrier: Carrier) -> tuple[Surface, ...]:
     """A surface that cuts the sheet across in the carrier, which lies on the sheet."""
+    if isinstance(carrier, TubeCurve):
+        return (carrier.frame.large if sheet.surface is carrier.frame.small else carrier.frame.small,)
     if isinstance(carrier, Traced):
         others = tuple(surface for surface in carrier.surfaces if surface is not sheet.surface)
         return tuple(surface for surface in others if not isinstance(surface, FacetedSurface))
@@ -233,4 +239,26 @@ def meeting_point(sheet: Sheet, one: Carrier, other: Carrier, near: Array) -> Ar
         if square > LINES_CROSS**2:
             along = float(cross(other.point - one.point, other.direction) @ across) / square
             return one.point + along * one.direction
-    return project(near[None], (sheet.surface, *transversal(sheet, one), *transversal(sheet, other)))[0]
+    bend = _common_bend(one, other, near)
+    if bend is not None:
+        return bend
+    found = project(near[None], (sheet.surface, *transversal(sheet, one), *transversal(sheet, other)))
+    for carrier in (one, other):
+        if isinstance(carrier, TubeCurve) and carrier.frame.pinch:
+            found = carrier.at(carrier.parameters(found))  # beside the sheet
+    return found[0]
+
+
+def _common_bend(one: Carrier, other: Carrier, near: Array) -> Array | None:
+    """The corner of a curve of two tubes, next to `near` (3,), that lies on the other carrier too.
+
+    All surfaces that meet there have one tangent plane: they do not say where on it the corner is.
+    """
+    for carrier, across in ((one, other), (other, one)):
+        if isinstance(carrier, TubeCurve):
+            bends = carrier.at(np.array(carrier.bends))
+            reach = BEND * carrier.frame.small.radius + 2 * carrier.frame.pinch
+            bend = bends[int(np.argmin(np.linalg.norm(bends - near, axis=1)))]
+            if np.linalg.norm(bend - near) <= reach and distance_to(across, bend[None])[0] <= reach:
+                return bend
+    return None

@@ -22,8 +22,7 @@ import shapely
 from numpy.typing import NDArray
 from shapely import LineString, Polygon
 
-from kernel.idealise.carriers import Line
-from kernel.idealise.crossings import CURVED_OVERLAP, Crossing, samples, slab_edges, whole_range
+from kernel.idealise.crossings import Crossing, samples, slab_edges, whole_range
 from kernel.idealise.outlines import (
     PolygonLike,
     Stretch,
@@ -36,8 +35,10 @@ from kernel.idealise.outlines import (
     windowed,
 )
 from kernel.idealise.sheets import CylinderSheet, PlaneSheet, Sheet
+from kernel.idealise.strips import slab, slabs_of_tube, strip
 from kernel.idealise.topology import Topology
 from kernel.idealise.trims import step_ends, trimmed
+from kernel.idealise.tube_curve import TubeCurve
 from kernel.idealise.walls import Wall, section_outline
 from kernel.segment.segments import Segment
 from kernel.segment.slices import parts_of
@@ -79,39 +80,12 @@ def join_walls(
             wall.outline, wall.region = outline_of(topology, wall, region, joint_carriers)
 
 
-def strip(
-    topology: Topology, wall: Wall, crossing: Crossing, start: float, end: float, gap: float = 0.0
-) -> PolygonLike:
-    """The other wall's slab in this wall's sheet, along a stretch of the joint curve; `gap` thicker on each side."""
-    carrier = topology.carrier(crossing.carrier)
-    other = crossing.other(wall)
-    margin = 0.0 if isinstance(carrier, Line) else CURVED_OVERLAP * min(wall.thickness, other.thickness)
-    if carrier.period is not None and end - start >= carrier.period - topology.tolerance:
-        middle = 0.5 * (start + end)
-        halves = [strip(topology, wall, crossing, a, b, gap) for a, b in ((start, middle), (middle, end))]
-        return shapely.union_all(halves)
-    curve = samples(topology, carrier, start, end)
-    sides = [unwrapped(wall.sheet, side) for side in slab_edges(wall, other, curve, margin + gap)]
-    if wall.sheet.turn is not None:
-        sides[1] = sides[1] + (wall.sheet.turn * np.round((sides[0][0, 0] - sides[1][0, 0]) / wall.sheet.turn), 0.0)
-    polygon = Polygon(np.vstack([sides[0], sides[1][::-1]]))
-    return windowed(wall.sheet, polygon if polygon.is_valid else polygon.buffer(0))
-
-
-def slab(topology: Topology, wall: Wall, crossing: Crossing) -> PolygonLike:
-    """The other wall's slab in this wall's sheet, all along the joint curve."""
-    if wall.index not in crossing.slabs:
-        ends = whole_range(topology, topology.carrier(crossing.carrier), wall.segment.solid.bounds)
-        crossing.slabs[wall.index] = strip(topology, wall, crossing, *ends)
-    return crossing.slabs[wall.index]
-
-
 def _region(
     topology: Topology, wall: Wall, crossings: list[Crossing], nearby: list[Segment], sections: _Sections
 ) -> PolygonLike:
     size = topology.carriers.reach
     grid = GRID * size
-    strips, gaps, slabs, cuts, cutting = [], [], [], [], []
+    strips, gaps, lumps, slabs, cuts, cutting = [], [], [], [], [], []
     for crossing in crossings:
         carrier = topology.carrier(crossing.carrier)
         other = crossing.other(wall)
@@ -122,6 +96,10 @@ def _region(
         slabs.append(slab(topology, wall, crossing))
         trims = trimmed(topology, crossing, wall, [one for one in crossings if one.carrier == crossing.carrier])
         cutting += [strip(topology, wall, crossing, *ends, gap) for ends in trims]
+        if isinstance(carrier, TubeCurve) and crossing.reach[wall.index]:
+            around, whole = slabs_of_tube(topology, wall, other, carrier)
+            lumps += around
+            cutting += whole
         beyond = CUT_BEYOND * 0.5 * other.thickness
         for start, end in [*trims, *crossing.reach[other.index]]:
             is_all = carrier.period is not None and end - start >= carrier.period - topology.tolerance
@@ -129,13 +107,15 @@ def _region(
             curve = samples(topology, carrier, start - more, end + more)
             cuts.append(windowed(wall.sheet, LineString(unwrapped(wall.sheet, curve))))
         for value in step_ends(crossing, wall, trims, 10 * topology.tolerance):
-            ends = slab_edges(wall, other, carrier.at(np.array([value])), gap + beyond)
+            ends = slab_edges(wall, other, carrier.at(np.array([value])), gap + beyond, carrier)
             cuts.append(windowed(wall.sheet, LineString(unwrapped(wall.sheet, np.vstack(ends)))))
     own = _without_dust(wall.own, shapely.union_all(slabs))
     held = own.difference(shapely.union_all(cutting)) if cutting else own
     material = shapely.union_all([wall.own, *_material(wall, nearby, sections)], grid_size=grid)
-    grown = shapely.intersection(shapely.union_all([own, *strips], grid_size=grid), material, grid_size=grid)
+    grown = shapely.intersection(shapely.union_all([own, *strips, *lumps], grid_size=grid), material, grid_size=grid)
     grown = shapely.union_all(parts_of(shapely.union_all([grown, *gaps], grid_size=grid)))
+    if lumps:
+        grown = _without_pinholes(grown, shapely.union_all(lumps).buffer(CUT_BEYOND * wall.thickness))
     curves = shapely.union_all(cuts)
     lines = shapely.union_all([grown.boundary, curves], grid_size=grid)
     near_curves = curves.buffer(20 * grid)
@@ -157,6 +137,12 @@ def _without_dust(own: PolygonLike, slabs: PolygonLike) -> PolygonLike:
         return own
     kept = [part for part in parts if part.difference(slabs).area > 0.2 * part.area]
     return shapely.union_all(kept) if kept else own
+
+
+def _without_pinholes(region: PolygonLike, lumps: PolygonLike) -> PolygonLike:
+    """The region less its holes where two tubes merge: sections that end there at hardly any angle leave some."""
+    holes = [Polygon(ring) for part in parts_of(region) for ring in part.interiors]
+    return shapely.union_all([region, *(hole for hole in holes if lumps.contains(hole))])
 
 
 class _Sections:
@@ -295,7 +281,8 @@ def _ring_outline(
         here = space[begin]
         if before is not None and after is not None and before != after:
             found = meeting_point(sheet, topology.carrier(before), topology.carrier(after), here)
-            here = found if np.linalg.norm(found - here) <= 30 * topology.tolerance else here
+            on_sheet = sheet.lift(sheet.flat(found[None]))[0]  # a pinched tube's curve lies beside the sheet
+            here = found if np.linalg.norm(on_sheet - here) <= 30 * topology.tolerance else here
         corners.append(here)
     stretches = []
     for position, (begin, count) in enumerate(runs):

@@ -17,7 +17,7 @@ from kernel.idealise.arm_cuts import pair_vertices
 from kernel.idealise.arms import TeeOf, arm_candidates, extended, stand_off, tee_choice, unused_choices
 from kernel.idealise.beam import make_beam
 from kernel.idealise.brick import group_bricks
-from kernel.idealise.crossings import find_crossings
+from kernel.idealise.crossings import find_crossings, pinch_notes
 from kernel.idealise.footprints import cut_edges, footprint_candidates, lap_candidates, seats
 from kernel.idealise.imprints import crossing_candidates, imprint, lay_outlines, outline_candidates
 from kernel.idealise.ledger import misfits, unexplained, volume_ledger
@@ -195,6 +195,7 @@ def idealise(
     parts.warnings += [f"{name} is the material of a corner of walls: it has no elements" for name in parts.absorbed]
     walls = list(parts.walls.values())
     crossings = parts.crossings = find_crossings(topology, walls, joints)
+    parts.warnings += pinch_notes(topology, crossings)
     join_walls(topology, walls, crossings, parts.surroundings(crossings))
     parts.arms = stand_off(topology, walls, crossings, tee_of, parts.warnings)
     lay_outlines(topology, walls)

@@ -7,6 +7,7 @@ import math
 import numpy as np
 
 from kernel.idealise.carriers import Carrier, Circle, Traced
+from kernel.idealise.tube_curve import TubeCurve
 
 PER_TURN = 16
 """Elements round a hole, so that quads keep their shape."""
@@ -24,6 +25,10 @@ MUCH_SMALLER = 0.5
 """A circle is that when its diameter is under this share of the size."""
 
 
+KINK = 0.3
+"""A bend of more than this (radians) between neighbouring points of a guide is a corner."""
+
+
 def least_divisions(carrier: Carrier, length: float, size: float, per_circle: int | None = None) -> int:
     """Into how many elements a piece of `length` of the carrier is divided at least: enough to show its bend.
 
@@ -35,7 +40,7 @@ def least_divisions(carrier: Carrier, length: float, size: float, per_circle: in
     if isinstance(carrier, Circle):
         turn = length / carrier.period
         diameter = 2 * carrier.radius
-    elif isinstance(carrier, Traced):
+    elif isinstance(carrier, Traced | TubeCurve):
         turn = turning(carrier, length)
         diameter = (period or float(carrier.lengths[-1])) / math.pi
     else:
@@ -46,10 +51,15 @@ def least_divisions(carrier: Carrier, length: float, size: float, per_circle: in
     return max(2, 2 * math.ceil(wanted / 2 - 1e-6))
 
 
-def turning(carrier: Traced, length: float) -> float:
-    """By how many full turns a traced curve bends over `length`, taking its bends as spread evenly."""
+def turning(carrier: Traced | TubeCurve, length: float) -> float:
+    """By how many full turns a traced curve bends over `length`, taking its bends as spread evenly.
+
+    The sharp bends of a tube's curve have nodes, and do not count.
+    """
     corners = np.vstack([carrier.guide, carrier.guide[:2]]) if carrier.is_closed else carrier.guide
     along = np.diff(corners, axis=0)
     along = along / np.linalg.norm(along, axis=1)[:, None]
-    bends = np.arccos(np.clip(np.einsum("ij,ij->i", along[:-1], along[1:]), -1, 1)).sum()
-    return float(bends / (2 * math.pi) * length / float(carrier.lengths[-1]))
+    bends = np.arccos(np.clip(np.einsum("ij,ij->i", along[:-1], along[1:]), -1, 1))
+    if isinstance(carrier, TubeCurve):
+        bends = bends[bends < KINK]
+    return float(bends.sum() / (2 * math.pi) * length / float(carrier.lengths[-1]))

@@ -89,7 +89,11 @@ def _less(solid: Solid, parts: list[WallPart]) -> list[Solid]:
     rest = subtract(solid, [part.solid for part in parts])
     if rest.is_empty or rest.volume < EMPTY * solid.volume:
         return []
-    return [without_fins(piece) for piece in rest.components() if piece.volume > EMPTY * solid.volume]
+    pieces = [piece for piece in rest.components() if piece.volume > EMPTY * solid.volume]
+    if rest.volume - sum(piece.volume for piece in pieces) > EMPTY * solid.volume:
+        # skins of no thickness all over the parts make a flake of what hangs on them: they go first
+        pieces = list(without_fins(rest).components())
+    return [without_fins(piece) for piece in pieces if piece.volume > EMPTY * solid.volume]
 
 
 # ---------------------------------------------------------------- slabs

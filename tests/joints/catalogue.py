@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from catalogue_beams import BEAMS
 from catalogue_bricks import BRICKS
+from catalogue_pipes import PIPES
 from catalogue_plates import PLATES
 from catalogue_tubes import TUBES
 from joined_model import Joined
 
 __all__ = ["CATALOGUE", "Joined"]
 
-CATALOGUE = {**PLATES, **BEAMS, **TUBES, **BRICKS}
+CATALOGUE = {**PLATES, **BEAMS, **TUBES, **PIPES, **BRICKS}

@@ -35,13 +35,13 @@ def tube(height, outer, inner, at=(0.0, 0.0, 0.0), turn=None) -> str:
     return placed(difference(rod(height, outer), rod(height + 2, inner, (0, 0, -1))), at, turn)
 
 
-def branch(radius: float, angle: float) -> str:
+def branch(radius: float, angle: float, t: float = 3.0) -> str:
     """A pipe of radius 60 and one of `radius` that leaves it at `angle` from its axis, open to one another."""
     lean = turned("y", angle)
     return difference(
         union(rod(500, 60), rod(250, radius, (0, 0, 220), lean)),
         rod(600, 56, (0, 0, -50)),
-        rod(300, radius - 3, (0, 0, 220), lean),
+        rod(300, radius - t, (0, 0, 220), lean),
     )
 
 
@@ -229,16 +229,27 @@ def test_an_oblique_tube_meets_its_plate_in_an_ellipse():
     assert np.abs(nodes[:, 2] - 5).max() < 1e-9 * evaluated.size
 
 
-def test_pipes_of_one_radius_are_refused_by_name_and_place():
-    with pytest.raises(ConnectError, match=r"mid-surfaces of s1 and s2 meet at no angle near .* made a brick"):
-        assembled(branch(60, 90))
+@pytest.mark.parametrize(("radius", "thickness"), [(60, 4.0), (59.94, 4.0), (60, 3.0)])
+def test_pipes_of_one_radius_share_a_curve_with_two_corners(radius, thickness):
+    assembly, evaluated = assembled(branch(radius, 90, t=thickness))
+    assert audit(assembly) == WHOLE
+    run, leaving = (set(block.connectivity.ravel()) for block in assembly.mesh.blocks)
+    nodes = assembly.mesh.nodes[sorted(run & leaving)] @ evaluated.frame.T
+    assert np.abs(np.hypot(nodes[:, 0], nodes[:, 1]) - 58).max() < 1e-9 * evaluated.size
+    assert nodes[:, 0].min() == pytest.approx(np.sqrt(max(0.0, 58**2 - (radius - thickness / 2) ** 2)), abs=1e-6)
+    assert any("as if both had the radius 58" in warning for warning in assembly.warnings) == (thickness == 3)
+
+
+def test_pipes_that_miss_one_another_are_refused_by_name_and_place():
+    with pytest.raises(ConnectError, match=r"mid-surfaces of s1 .* and s2 .* come within 1.7 of one another near"):
+        assembled(branch(61.2, 90))
 
 
 def test_the_place_of_a_refusal_is_in_the_models_own_coordinates():
-    pattern = r"meet at no angle near \(([^,]*), ([^,]*), ([^)]*)\)"
+    pattern = r"of one another near \(([^,]*), ([^,]*), ([^)]*)\)"
     places = []
     turn, shift = turned("z", 31) @ turned("x", 40), np.array([30.0, -20, 10])
-    for text in (branch(60, 90), placed(branch(60, 90), tuple(shift), turn)):
+    for text in (branch(61.2, 90), placed(branch(61.2, 90), tuple(shift), turn)):
         with pytest.raises(ConnectError, match=pattern) as refused:
             assembled(text)
         places.append(np.array(re.search(pattern, str(refused.value)).groups(), float))
