@@ -70,7 +70,11 @@ def make_couplings(
     rigid = [coupling for body in arrangement.bodies if body.anchor is None for coupling in _rigid(body, has_rotations)]
     on_average = [(body, body.anchor) for body in arrangement.bodies if isinstance(body.anchor, Average)]
     frames = beam_frames(mesh, nodes, sections or {}) if "work" in (kind, *by_joint.values()) else {}
-    by_work = [body for body, average in on_average if kind_of(average.tie) == "work" and average.node in frames]
+    by_work = [
+        body
+        for body, average in on_average
+        if kind_of(average.tie) == "work" and average.node in frames and not _is_alongside(average.tie)
+    ]
     worked = {body.head for body in by_work}
     table: dict[Freedom, Expression] = {}
     couplings: list[Coupling] = [*rigid]
@@ -81,9 +85,10 @@ def make_couplings(
             continue
         couplings += _averaged(body, average, has_rotations)
         if kind_of(average.tie) == "work":
-            notes.append(
-                f"{joint_of(average.tie)}: distributing, for only a beam's section says how work is shared out"
-            )
+            why = "only a beam's section says how work is shared out"
+            if _is_alongside(average.tie):
+                why = "the face lies along the beam, and its section's stresses act across"
+            notes.append(f"{joint_of(average.tie)}: distributing, for {why}")
     for body in arrangement.bodies:
         if isinstance(body.anchor, Interpolation):
             table.update(_interpolated(body.anchor, nodes, has_rotations))
@@ -112,6 +117,11 @@ def nodes_with_rotations(mesh: Mesh) -> NDArray[np.bool_]:
         if ELEMENT_KINDS[block.kind].dimension < 3:
             has[block.connectivity.ravel()] = True
     return has
+
+
+def _is_alongside(tie: Tie) -> bool:
+    """Whether the face that holds a beam lies along it."""
+    return tie.joint is not None and tie.joint.kind == "along"
 
 
 def _components(node: int, has_rotations: NDArray[np.bool_]) -> range:
@@ -218,13 +228,10 @@ def _shell_rotation(item: Interpolation, nodes: Array) -> list[Expression]:
     """
     share = np.eye(3)
     rows: list[Expression] = [{}, {}, {}]
-    if len(item.hosts) > 2:
-        corners = nodes[item.hosts]
-        normal = np.cross(corners[2] - corners[0], corners[-1] - corners[1])
-        if len(corners) == 3:
-            normal = np.cross(corners[1] - corners[0], corners[2] - corners[0])
-        normal = normal / np.linalg.norm(normal)
-        turn = average_matrices(corners, np.full(len(corners), 1.0), corners.mean(axis=0))[1]
+    places = nodes[item.hosts]
+    normal = _normal_of(places)
+    if normal is not None:
+        turn = average_matrices(places, np.full(len(places), 1.0), places.mean(axis=0))[1]
         rows = [_row_on(item.hosts, normal[k] * np.einsum("i,ink->nk", normal, turn)) for k in range(3)]
         share -= np.outer(normal, normal)
     share[np.abs(share) < ROUNDING] = 0.0
@@ -233,6 +240,19 @@ def _shell_rotation(item: Interpolation, nodes: Array) -> list[Expression]:
             for other in np.flatnonzero(share[k]).tolist():
                 row[(host, 4 + other)] = row.get((host, 4 + other), 0.0) + weight * float(share[k, other])
     return rows
+
+
+def _normal_of(places: Array) -> Array | None:
+    """Unit normal of a shell's element with its nodes at `places` (n, 3), corners first; None of nodes on an edge."""
+    corners = places[: len(places) // 2] if len(places) > 4 else places  # tri6 and quad8 have their middles last
+    if len(corners) == 4:
+        normal = np.cross(corners[2] - corners[0], corners[3] - corners[1])
+    elif len(corners) == 3:
+        normal = np.cross(corners[1] - corners[0], corners[2] - corners[0])
+    else:
+        return None
+    length = float(np.linalg.norm(normal))
+    return normal / length if length > ROUNDING * float(np.ptp(places, axis=0).max()) ** 2 else None
 
 
 def equations_of(table: dict[Freedom, Expression], couplings: Sequence[Coupling], nodes: Array) -> list[Mpc]:

@@ -15,9 +15,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from kernel.errors import DefectError
+from kernel.errors import ConnectError, DefectError
 from kernel.idealise.arms import Arm
-from kernel.idealise.carriers import Carrier
+from kernel.idealise.carriers import Carrier, Line
 from kernel.idealise.implicit import project
 from kernel.idealise.topology import Topology
 
@@ -30,6 +30,12 @@ SKEW = 0.75
 
 SAME = 10.0
 """Vertices are at one place when they are nearer than this many tolerances."""
+
+CLOSE = 1e-3
+"""A foot is found when what hangs from it is nearer to its vertex than this share of the tolerance."""
+
+MOST_STEPS = 50
+"""Steps of the secant method before a foot is given up."""
 
 MOST_ROUNDS = 20
 """Rounds in which vertices may be added: one for each wall that hangs from one that hangs itself."""
@@ -115,6 +121,8 @@ class _Pairing:
         point = self.edge.at(np.array([value]))
         sheets = (self.arm.web.sheet.surface, self.arm.flanges[0].sheet.surface)
         foot = float(self.curve.parameters(project(point, sheets))[0])
+        if not isinstance(self.curve, Line):
+            foot = self._refined(foot, value)
         period = self.curve.period
         if period is None:
             return foot
@@ -122,6 +130,24 @@ class _Pairing:
             return self.low + (foot - self.low + self.same) % period - self.same
         middle = 0.5 * (self.low + self.high)
         return foot - period * round((foot - middle) / period)
+
+    def _refined(self, foot: float, value: float) -> float:
+        """The same, from a guess: the secant method on how far what hangs from it lies beside the place."""
+
+        def beside(at: float) -> float:
+            away = float(self.edge.parameters(self.arm.edge_points(self.curve.at(np.array([at]))))[0]) - value
+            return away if self.edge.period is None else away - self.edge.period * round(away / self.edge.period)
+
+        before, was = foot, beside(foot)
+        step = 1e-3 * (self.high - self.low)
+        foot = before + step
+        for _ in range(MOST_STEPS):
+            now = beside(foot)
+            if abs(now) <= CLOSE * self.topology.tolerance or abs(now - was) <= np.finfo(float).eps * abs(value):
+                return foot
+            before, was, foot = foot, now, foot - now * (foot - before) / (now - was)
+        place = self.topology.place_text(self.edge.at(np.array([value]))[0])
+        raise ConnectError(f"{self.arm.web.segment.id} hangs from no place of its joint curve near {place}")
 
     def _place(self, foot: float) -> float:
         """The parameter on the edge of what hangs from a place on the joint curve."""
@@ -161,6 +187,8 @@ class _Pairing:
             for share in (0.0, 0.5):
                 self._cut_curve(self.low + share * (self.high - self.low))
             return True
+        if not self.is_closed and self._cut_ends():
+            return True
         edge_range = (0.0, 0.0)
         if self.on_edge:
             edge_range = self.on_edge[0][0], self.on_edge[-1][0]
@@ -182,6 +210,14 @@ class _Pairing:
                     self._cut_edge(place, c)
                     added = True
         return added
+
+    def _cut_ends(self) -> bool:
+        """Vertices at the ends of an edge that is part of a ring, which has none of its own there."""
+        ends = (self.arm.edge.start, self.arm.edge.end)
+        bare = [end for end in ends if all(abs(value - end) > self.same for _, value in self.on_edge)]
+        for end in bare:
+            self.topology.cut(self.arm.edge.carrier, end, self.edge.at(np.array([end]))[0])
+        return bool(bare)
 
     def _matched_range(self) -> tuple[tuple[int, int], tuple[int, int]] | None:
         """First and last pair, each as (edge vertex, curve vertex)."""

@@ -13,7 +13,7 @@ curve) and crosses (neither does) keep their common curve.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import shapely
@@ -23,7 +23,7 @@ from shapely import LineString
 from kernel.connect.joints import Joint
 from kernel.errors import ConnectError, OptionError
 from kernel.idealise.askew import is_filled, own_edge
-from kernel.idealise.crossings import Crossing, slab_edges
+from kernel.idealise.crossings import Crossing, samples, slab_edges
 from kernel.idealise.imprints import Candidate
 from kernel.idealise.intersections import intersection
 from kernel.idealise.outlines import PolygonLike, Stretch, unwrapped, windowed
@@ -297,7 +297,8 @@ def _arms(topology: Topology, web: Wall, tee: _Tee) -> list[Arm]:
     found = []
     for stretch in web.outline:
         if stretch.carrier == tee.number and _is_beside(topology, web, tee, stretch):
-            found.append(Arm(web, tee.flanges, tee.crossing, tee.along, stretch, tee.side, tee.gap))
+            arm = Arm(web, tee.flanges, tee.crossing, tee.along, stretch, tee.side, tee.gap)
+            found.append(_part_of_ring(topology, arm) if stretch.whole and not tee.along.whole else arm)
     if not found:
         amid = topology.carrier(tee.along.carrier).at(np.array([0.5 * (tee.along.start + tee.along.end)]))[0]
         names = " and ".join(joint.id for joint in tee.crossing.joints)
@@ -306,6 +307,16 @@ def _arms(topology: Topology, web: Wall, tee: _Tee) -> list[Arm]:
             f"{topology.place_text(amid)}, expected one: this joint must be extended"
         )
     return found
+
+
+def _part_of_ring(topology: Topology, arm: Arm) -> Arm:
+    """The arm with only that part of a closed edge which lies beside its joint curve."""
+    curve, edge = topology.carrier(arm.along.carrier), topology.carrier(arm.edge.carrier)
+    beside = arm.edge_points(samples(topology, curve, arm.along.start, arm.along.end))
+    ends = np.unwrap(edge.parameters(beside), period=edge.period)[[0, -1]]
+    start, end = float(ends.min()), float(ends.max())
+    first, last = edge.at(np.array([start, end]))
+    return replace(arm, edge=replace(arm.edge, start=start, end=end, first=first, last=last, whole=False))
 
 
 def _is_beside(topology: Topology, web: Wall, tee: _Tee, edge: Stretch) -> bool:

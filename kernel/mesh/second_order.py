@@ -119,7 +119,7 @@ def _with_middles(ties: list[Tie], among: Among, middles: dict[Edge, int]) -> li
     if kind == "interpolated":
         return [_interpolated_middles(tie, among, middles) for tie in ties]
     held = {int(tie.dependent[0]): tie for tie in ties}
-    return [*ties, *(_average_between(held[a], held[b], middles[(a, b)]) for a, b in among(list(held)))]
+    return [*ties, *(_average_between(held[a], held[b], (a, b), among, middles) for a, b in among(list(held)))]
 
 
 def _pair(tie: Tie, dependent: int, independent: int) -> Tie:
@@ -153,6 +153,17 @@ def _interpolated_middles(tie: Tie, among: Among, middles: dict[Edge, int]) -> T
     )
 
 
-def _average_between(first: Tie, second: Tie, node: int) -> Tie:
+def _average_between(first: Tie, second: Tie, edge: Edge, among: Among, middles: dict[Edge, int]) -> Tie:
+    """The edge's mid-side node on the average of both patches, their own mid-side nodes among them.
+
+    One of these may lie where it does; were it left out, nothing would hold the two together.
+    """
     nodes, weights = _mean((first.independent, first.weights), (second.independent, second.weights))
-    return replace(first, dependent=np.array([node]), independent=nodes, weights=weights)
+    between = among(nodes.tolist())
+    more = np.array([middles[pair] for pair in between], dtype=np.int64)
+    ends = np.searchsorted(nodes, np.array(between, dtype=np.int64).reshape(-1, 2))
+    of_all = np.concatenate([weights, weights[ends].mean(axis=1)])
+    of_all *= weights.sum() / of_all.sum()
+    return replace(
+        first, dependent=np.array([middles[edge]]), independent=np.concatenate([nodes, more]), weights=of_all
+    )

@@ -30,7 +30,8 @@ def _lattice_frame(points: NDArray[np.float64], edges: Edges, size: float) -> tu
     length = np.hypot(along[:, 0], along[:, 1])
     angle = np.arctan2(along[:, 1], along[:, 0])
     sixth = np.round(np.mod(angle, np.pi / 3) / (np.pi / 3) * 360).astype(np.int64) % 360
-    weight = np.bincount(sixth, weights=length * (length > 0.5 * size), minlength=360)
+    counts = length > 0.5 * size  # short edges are those of curves, which show no direction
+    weight = np.bincount(sixth, weights=length * counts if counts.any() else length, minlength=360)
     candidates = np.flatnonzero(sixth == weight.argmax())
     edge = candidates[length[candidates].argmax()]
     middle = 0.5 * (points[edges.start[edge]] + points[edges.end[edge]])

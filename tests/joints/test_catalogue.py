@@ -29,10 +29,14 @@ def any_turn(seed: int) -> np.ndarray:
     return turn * np.sign(np.linalg.det(turn))
 
 
-def meshed_of(case: Joined, turn: np.ndarray | None = None) -> Meshed:
+def classified_of(case: Joined, turn: np.ndarray | None = None) -> Classified:
     text = case.text if turn is None else placed(case.text, ASIDE, turn)
     overrides = {path: Override(kind) for path, kind in case.overrides.items()}
-    return mesh(classify(read_model(text, "catalogue"), overrides=overrides), MeshOptions(size=case.size))
+    return classify(read_model(text, "catalogue"), overrides=overrides)
+
+
+def meshed_of(case: Joined, turn: np.ndarray | None = None) -> Meshed:
+    return mesh(classified_of(case, turn), MeshOptions(size=case.size))
 
 
 def assert_joined(case: Joined, meshed: Meshed) -> None:
@@ -70,3 +74,19 @@ def test_turned_it_is_the_same_and_mystran_carries_its_weight(name, tmp_path):
 def test_the_catalogue_holds_every_kind_of_joint():
     kinds = {kind for case in CATALOGUE.values() for kind in case.kinds.split()}
     assert kinds == set(JOINT_KINDS)
+
+
+WAYS = {
+    "coarse, rigid": (MeshOptions(size=45.0), "rigid"),
+    "triangles on arms, work": (MeshOptions(size=13.0, faces="tri", tee="arms"), "work"),
+    "second order": (MeshOptions(size=18.0, order=2), "distributing"),
+}
+"""Options with which each joint is to hold as well: one of every choice in at least one of them."""
+
+
+@pytest.mark.parametrize("way", WAYS)
+@pytest.mark.parametrize("name", CATALOGUE)
+def test_every_joint_is_one_whole_in_other_ways_as_well(name, way):
+    options, coupling = WAYS[way]
+    meshed = mesh(classified_of(CATALOGUE[name]), options, coupling=coupling)
+    assert meshed.checks.passed, meshed.checks.failures
