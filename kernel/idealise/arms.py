@@ -312,6 +312,7 @@ def _arms(topology: Topology, web: Wall, tee: _Tee) -> list[Arm]:
 def _part_of_ring(topology: Topology, arm: Arm) -> Arm:
     """The arm with only that part of a closed edge which lies beside its joint curve."""
     curve, edge = topology.carrier(arm.along.carrier), topology.carrier(arm.edge.carrier)
+    assert edge.period is not None
     beside = arm.edge_points(samples(topology, curve, arm.along.start, arm.along.end))
     ends = np.unwrap(edge.parameters(beside), period=edge.period)[[0, -1]]
     start, end = float(ends.min()), float(ends.max())

@@ -73,6 +73,7 @@ class SweepGroup:
     """Bricks swept along one direction. sheet: the section's plane.
 
     host: the wall whose elements are swept, with the joint, or None where the group has a section of its own.
+    roundness: of the circles that a group with a host imprints in it, by carrier; see roundness.py.
     """
 
     direction: Array
@@ -80,6 +81,7 @@ class SweepGroup:
     bricks: list[SweptBrick]
     section: OwnSection | None = None
     host: tuple[Wall, Joint] | None = None
+    roundness: dict[int, float] = field(default_factory=dict)
 
 
 def _parallel(a: Array, b: Array) -> bool:
@@ -193,9 +195,9 @@ def _make_group(
     if host is not None:
         wall = host[0]
         assert isinstance(wall.sheet, PlaneSheet)
-        bricks, rings, _ = _pieces(topology, segments, wall.sheet)
+        bricks, rings, round_shares = _pieces(topology, segments, wall.sheet)
         if wall.region.buffer(30 * topology.tolerance).covers(_union(bricks)):
-            group = SweepGroup(wall.sheet.normal, wall.sheet, bricks, host=host)
+            group = SweepGroup(wall.sheet.normal, wall.sheet, bricks, host=host, roundness=round_shares)
             return group, [Candidate(wall, stretch) for ring in rings for stretch in ring]
     frame = plane_frame(direction)
     start = min(float((segment.solid.facets.vertices @ direction).min()) for segment in segments)

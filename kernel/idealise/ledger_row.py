@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-JOINT, SHAPE, UNEXPLAINED, BALANCE = "joint", "shape", "unexplained", "balance"
+JOINT, SHAPE, UNEXPLAINED, BALANCE, CHORDS = "joint", "shape", "unexplained", "balance", "chords"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -14,7 +14,8 @@ class LedgerRow:
 
     kind: "joint" (walls that meet, in closed form), "shape" (a segment's own shape is not its idealised one),
     "unexplained" (joints of which no closed form is known), "balance" (volume 0: what the walls of a joint count of one
-    another's material, which matters where one of them is taken away).
+    another's material, which matters where one of them is taken away), "chords" (straight edges and flat elements in
+    place of curves).
     shares: what each segment's own elements count of it, by segment id; they add up to the volume. Empty where the row
     is of the solid as a whole.
     """

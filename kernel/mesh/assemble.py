@@ -32,6 +32,8 @@ from kernel.mesh.assembly import Assembly
 from kernel.mesh.beam_ties import beam_stations
 from kernel.mesh.beams import mesh_beams
 from kernel.mesh.bricks import mesh_bricks
+from kernel.mesh.chord_loss import least_on_walls
+from kernel.mesh.chord_rows import chord_rows, coarse_walls
 from kernel.mesh.curve_choice import choose_curves
 from kernel.mesh.faces import (
     CurvesByFace,
@@ -114,6 +116,8 @@ def assemble(
     growth = None if options.growth is None else growth_rate(options.growth)
     hosted = host_wishes(parts, pieces, sizes, options.layers, evaluated.size) if options.layers else {}
     parts.warnings += coarser_wishes(parts, pieces, hosted, chosen.walls)
+    is_free = options.order == 1 and options.per_circle is None
+    fewest = least_on_walls(parts, pieces, sizes) if is_free else {}
     curves = seed_curves(
         parts.topology,
         pieces,
@@ -121,7 +125,7 @@ def assemble(
         {wall.index: sizes[wall.segment.id] for wall in parts.walls.values()},
         nodes,
         hung,
-        SeedRules({**hosted, **chosen.walls}, growth, options.per_circle),
+        SeedRules({**hosted, **chosen.walls}, growth, options.per_circle, fewest=fewest),
     )
     refuse_too_fine(curves, growth)
     blocks: dict[str, list[ElementBlock]] = {segment.id: [] for segment in segments}
@@ -145,6 +149,8 @@ def assemble(
         mesh, ties, drawn = raise_order(mesh, ties, parts, curves, faces, bricks, raised)
         if drawn:
             parts.warnings.append(f"{drawn} mid-side nodes were drawn back from their curves: the elements are coarse")
+    chords = chord_rows(parts, by_face, mesh)
+    parts.warnings += coarse_walls(chords, sum(segment.volume for segment in segments))
     chains = [seeded.nodes for seeded in curves]
     arms = arm_rows(chains, hung)
     report("tied", 1.0)
@@ -154,7 +160,7 @@ def assemble(
         mesh=mesh,
         sections={name: beam.section for name, beam in parts.beams.items()},
         ties=(*arm_ties(mesh, arms, hung, chains), *ties),
-        ledger=ledger,
+        ledger=(*ledger, *chords),
         curve_uses=_curve_uses(curves),
         arms=arms,
         warnings=(*planned.warnings, *parts.warnings, *near_misses(segments, evaluated, joints)),

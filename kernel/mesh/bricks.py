@@ -14,6 +14,7 @@ from kernel.idealise.brick import SweepGroup, SweptBrick
 from kernel.idealise.parts import Parts
 from kernel.idealise.revolved import revolved_brick
 from kernel.idealise.walls import Wall
+from kernel.mesh.chord_loss import CHORD_LOSS
 from kernel.mesh.curve_choice import ChosenCurves
 from kernel.mesh.elements import ELEMENT_KINDS
 from kernel.mesh.faces import CurvesByFace, FaceMesh, curve_middles
@@ -24,7 +25,7 @@ from kernel.mesh.nodes import NodeTable
 from kernel.mesh.options import MeshOptions
 from kernel.mesh.region import RegionMesh
 from kernel.mesh.revolve import mesh_revolved
-from kernel.mesh.section import CHORD_LOSS, mesh_section
+from kernel.mesh.section import mesh_section
 from kernel.mesh.seeding import SeedRules, growth_rate
 from kernel.mesh.sweep import UnfitSweep, divide_levels, sweep
 from kernel.places import place_text

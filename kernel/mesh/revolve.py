@@ -15,7 +15,7 @@ from kernel.mesh.line import LARGE_PER_TURN
 from kernel.mesh.planar import mesh_region
 from kernel.mesh.quality import scaled_jacobian
 from kernel.mesh.region import Region, RegionMesh
-from kernel.mesh.section import LEAST_QUALITY, MeshedSection, mesh_section
+from kernel.mesh.section import GOOD_ENOUGH, LEAST_QUALITY, MeshedSection, mesh_section
 from kernel.mesh.seeding import SeedRules
 from kernel.mesh.sweep import sweep
 
@@ -28,6 +28,9 @@ LINEAR_PER_TURN = 60
 PROFILE_LOSS = 1.6e-3
 """Share of the profile's area that chords may cut off: with what is lost round the axis under the 0.5 % to which the
 mass is checked (of a ball the profile's loss counts one and a half times)."""
+
+FINER = (1.0, 0.7, 0.5, 0.35)
+"""Shares of the size that are tried for a profile until it has no poor element."""
 
 ON_CUT = 1e-6
 """Points of the profile nearer to the cut than this share of the largest radius lie on it."""
@@ -57,8 +60,7 @@ def mesh_revolved(
     MeshError: the profile cannot be meshed, or not well.
     """
     name = f"{brick.segment.id} ({brick.segment.node})"
-    loss = PROFILE_LOSS if order == 1 else None
-    section = mesh_section(name, brick.section, brick.sheet, size, faces, rules, loss)
+    section = _profile(name, brick, size, faces, order, rules)
     usual = LINEAR_PER_TURN if order == 1 else LARGE_PER_TURN
     wanted = max(2 * math.pi * brick.largest / size, (rules and rules.per_circle) or usual)
     n_turn = 4 * math.ceil(wanted / 4 - 1e-6)
@@ -83,6 +85,19 @@ def mesh_revolved(
                     f"turned about its axis it has an element of scaled Jacobian {quality[worst]:.2g} near {place}"
                 )
     return RevolvedMesh(nodes, hexes, wedges, edges, middles, n_turn)
+
+
+def _profile(
+    name: str, brick: RevolvedBrick, size: float, faces: str, order: int, rules: SeedRules | None
+) -> MeshedSection:
+    """The profile's mesh. Of second order, finer where an element has two sides on one arc: bent, they are one line."""
+    if order == 1:
+        return mesh_section(name, brick.section, brick.sheet, size, faces, rules, PROFILE_LOSS)
+    for share in FINER:
+        section = mesh_section(name, brick.section, brick.sheet, share * size, faces, rules)
+        if section.worst >= GOOD_ENOUGH:
+            break
+    return section
 
 
 class _Turn:

@@ -27,6 +27,7 @@ from kernel.idealise.brick import OwnSection
 from kernel.idealise.carriers import Circle
 from kernel.idealise.sheets import PlaneSheet
 from kernel.idealise.topology import IMPRINT, Curve, Topology, Use
+from kernel.mesh.chord_loss import least_on_circles
 from kernel.mesh.elements import ELEMENT_KINDS
 from kernel.mesh.faces import FaceMesh, SeededCurve, curve_middles, curves_by_face, mesh_face, odd_seeds_note
 from kernel.mesh.nodes import NodeTable
@@ -42,9 +43,6 @@ GOOD_ENOUGH = 0.5
 OTHER_SIZES = (1.0, 0.85, 1.15, 0.7)
 """A cell with an element of a scaled Jacobian under the first is meshed at these shares of its size until it has none:
 a quad with two sides on one arc, a corner of 165 degrees, is seldom there twice."""
-
-CHORD_LOSS = 4e-3
-"""Share of a section's area that the chords of linear elements may cut off: the mass is checked to 0.5 %."""
 
 RING_RATIO = 2.0
 """Largest ratio of radii over which circles are divided alike."""
@@ -74,6 +72,12 @@ class MeshedSection:
     middles: Array
     notes: tuple[str, ...] = ()
 
+    @property
+    def worst(self) -> float:
+        """The least scaled Jacobian of the section's elements."""
+        flat = np.pad(self.mesh.points, ((0, 0), (0, 1)))
+        return _worst(self.mesh.quads, self.mesh.triangles, flat)
+
 
 def mesh_section(
     name: str,
@@ -94,7 +98,8 @@ def mesh_section(
     nodes = NodeTable()  # the section's own: they stay out of the model
     rules = rules or SeedRules()
     if chord_loss is not None:
-        rules = replace(rules, fewest=_least_on_circles(section, chord_loss))
+        least = least_on_circles(section.topology, section.curves, section.roundness, chord_loss)
+        rules = replace(rules, fewest=least)
     curves = _seeded(section, sheet, size, nodes, rules)
     by_cell = curves_by_face(curves)
     growth = rules.rate if rules.spreads else None
@@ -127,7 +132,7 @@ def _best_of_cell(
     best: tuple[float, FaceMesh] | None = None
     for share in OTHER_SIZES:
         mesh = mesh_face(name, cell, sheet, curves, share * size, faces, nodes, frame, growth)
-        worst = _worst(mesh, nodes.points)
+        worst = _worst(mesh.quads, mesh.triangles, nodes.points)
         if best is None or worst > best[0]:
             best = worst, mesh
         if best[0] >= GOOD_ENOUGH:
@@ -136,25 +141,14 @@ def _best_of_cell(
     return best[1]
 
 
-def _worst(mesh: FaceMesh, points: Array) -> float:
-    """The least scaled Jacobian."""
+def _worst(quads: Indices, triangles: Indices, points: Array) -> float:
+    """The least scaled Jacobian. points: (n, 3)."""
     found = [
         float(scaled_jacobian(ELEMENT_KINDS[kind], points[block]).min())
-        for block, kind in ((mesh.quads, "quad4"), (mesh.triangles, "tri3"))
+        for block, kind in ((quads, "quad4"), (triangles, "tri3"))
         if len(block)
     ]
     return min(found, default=0.0)
-
-
-def _least_on_circles(section: OwnSection, loss: float) -> dict[int, int]:
-    """Fewest elements on each piece of a circle, by its place, for outlines to lose at most that share."""
-    least = {}
-    for place, curve in enumerate(section.curves):
-        circle = section.topology.carrier(curve.carrier)
-        if isinstance(circle, Circle) and curve.carrier in section.roundness:
-            per_turn = 2 * math.pi * math.sqrt(section.roundness[curve.carrier] / (12.0 * loss))
-            least[place] = 2 * math.ceil(0.5 * per_turn * curve.length / circle.period - 1e-6)
-    return least
 
 
 def _layer_size(

@@ -94,12 +94,13 @@ def test_an_edit_that_fails_fails_its_job_with_the_edits_number(client, apart):
 
 
 def test_a_mesh_that_does_not_pass_its_checks_is_kept_only_on_request(client):
-    tube = send(client, "A = CYL(R=50, H=100)\nB = CYL(R=48, H=120) AT (MOVZ=-10)\nC = A DIF B\n", "tube.csg")
-    coarse = meshed(client, tube, size=60, per_circle=6, unchecked=True)
-    assert coarse["checks"]["failures"]  # chords of 60 degrees cut off more mass than the check allows
-    job = edit(client, coarse["id"], {"op": "add_node", "at": [49, 0, 33]})
+    text = "P = BLO(200, 200, 10)\nB = CYL(R=60, H=60) AT (MOVX=100, MOVY=100, MOVZ=10)\nC = P UN B\n"
+    boss = send(client, text, "boss.csg")
+    coarse = meshed(client, boss, size=60, per_circle=8, unchecked=True)
+    assert coarse["checks"]["failures"]  # chords of 45 degrees cut off more mass than the check allows
+    job = edit(client, coarse["id"], {"op": "add_node", "at": [20, 30, 5]})
     assert job["state"] == "failed" and "does not pass its checks: the mass" in job["problem"]["detail"]
-    mesh = edited(client, coarse["id"], {"op": "add_node", "at": [49, 0, 33]}, unchecked=True)
+    mesh = edited(client, coarse["id"], {"op": "add_node", "at": [20, 30, 5]}, unchecked=True)
     assert mesh["checks"]["failures"]
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import dataclass
 
 import numpy as np
@@ -116,9 +117,16 @@ def mesh_volume(assembly: Assembly) -> float:
     total = 0.0
     for block in assembly.mesh.blocks:
         corners = assembly.mesh.nodes[block.connectivity]
-        if block.kind in ("quad4", "tri3"):
-            cross = np.cross(corners[:, 2] - corners[:, 0], corners[:, -1] - corners[:, 1])
+        if block.kind == "tri3":
+            cross = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
             total += thickness[block.segment] * float(np.linalg.norm(cross, axis=1).sum()) / 2
+        elif block.kind == "quad4":  # those on tubes are warped: Gauss points, as many as the model's own mass takes
+            places, weights = np.polynomial.legendre.leggauss(3)
+            for (xi, eta), (w, v) in zip(itertools.product(places, repeat=2), itertools.product(weights, repeat=2)):
+                along = np.array([eta - 1, 1 - eta, 1 + eta, -1 - eta]) / 4
+                across = np.array([xi - 1, -1 - xi, 1 + xi, 1 - xi]) / 4
+                cross = np.cross(along @ corners, across @ corners)
+                total += w * v * thickness[block.segment] * float(np.linalg.norm(cross, axis=1).sum())
         elif block.kind == "line2":
             length = float(np.linalg.norm(corners[:, 1] - corners[:, 0], axis=1).sum())
             total += assembly.sections[block.segment].area * length

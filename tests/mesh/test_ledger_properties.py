@@ -25,14 +25,14 @@ thickness = st.floats(4, 10).map(lambda t: round(t, 2))
 share = st.floats(0.2, 0.8)
 
 
-def explained(text: str, tee: str, overrides=None, chords: float = 1e-9):
+def explained(text: str, tee: str, overrides=None):
     """The assembly, once its ledger has been found to hold nothing that is not explained, and to add up."""
     assembly, evaluated = assembled(text, overrides, tee=tee)
     solid = evaluated.solid.true_volume
     assert audit(assembly) == WHOLE
     odd = sum(abs(row.volume) for row in assembly.ledger if row.kind == "unexplained")
     assert odd <= ROUNDING * solid, [(row.segments, row.volume) for row in assembly.ledger]
-    assert mesh_volume(assembly) - sum(row.volume for row in assembly.ledger) == pytest.approx(solid, rel=chords)
+    assert mesh_volume(assembly) - sum(row.volume for row in assembly.ledger) == pytest.approx(solid, rel=1e-9)
     if tee == "arms":
         assert not [row for row in assembly.ledger if row.cause == "tee"]
     return assembly
@@ -121,7 +121,7 @@ def test_plates_and_tubes(tee, radius, wall, plate, kind):
         text = union(ring, pipe)
     else:
         text = union(pipe, cube(100, plate, 150, (200 + radius - 2, 150 - plate / 2, 50)))
-    explained(text, tee, chords=5e-3)
+    explained(text, tee)
 
 
 def breadth(assembly, name: str, low: float, high: float) -> float:
