@@ -14,6 +14,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from kernel.connect.bodies import Bodies
 from kernel.idealise.askew import is_filled, own_edge
 from kernel.idealise.carriers import Circle, Line
 from kernel.idealise.closed_forms import Row, closed_forms, strip_area
@@ -288,17 +289,9 @@ def _gained(parts: Parts, wall: Wall) -> float:
 
 def _groups(parts: Parts) -> dict[str, int]:
     """A number for each wall and each corner's material, the same for those that touch one another."""
-    names = [*parts.walls, *parts.absorbed]
-    group = {name: place for place, name in enumerate(names)}
-
-    def find(name: str) -> int:
-        place = group[name]
-        while group[names[place]] != place:
-            place = group[names[place]]
-        return place
-
+    place = {name: number for number, name in enumerate([*parts.walls, *parts.absorbed])}
+    bodies = Bodies()
     for joint in parts.contacts:
-        if all(name in group for name in joint.segments):
-            one, other = sorted(find(name) for name in joint.segments)
-            group[names[other]] = one
-    return {name: find(name) for name in names}
+        if all(name in place for name in joint.segments):
+            bodies.join(*(place[name] for name in joint.segments))
+    return {name: bodies.find(number) for name, number in place.items()}

@@ -101,7 +101,9 @@ def assemble(
     parts.warnings += unused_choices(joined_choices, joints, parts.arms)
     parts.warnings += lost_arms(options.tee, options.joint_tees, joints, torn_joints, only)
     parts.warnings += half_apart(parts.walls, joints, torn_joints)
-    ledger = volume_ledger(parts, parts.topology.curves(), evaluated.solid.true_volume)  # as joined, whatever is meshed
+    hangings = pair_vertices(parts.topology, parts.arms, parts.thickest()) if parts.arms else []
+    joined = parts.topology.curves()
+    ledger = volume_ledger(parts, joined, evaluated.solid.true_volume)  # as joined, whatever is meshed
     parts.warnings += unexplained(ledger, sum(segment.volume for segment in segments))
     pinned = [segment for segment in segments if segment.origin == "override"]
     parts.warnings += [f"{name} {misfit}" for name, misfit in misfits(ledger, pinned).items()]
@@ -109,8 +111,7 @@ def assemble(
     segments = _limited(parts, segments, only)
     report("idealised", 0.2)
     nodes = NodeTable()
-    hangings = pair_vertices(parts.topology, parts.arms, parts.thickest()) if parts.arms else []
-    pieces = _curves(parts, joints, torn_joints, only)
+    pieces = _apart(joined, parts, joints, torn_joints, only)
     hung = hung_curves(parts.topology, pieces, hangings)
     chosen = choose_curves(options, parts, pieces, evaluated)
     growth = None if options.growth is None else growth_rate(options.growth)
@@ -236,8 +237,10 @@ def _limited(parts: Parts, segments: Sequence[Segment], only: Collection[str] | 
     return [segment for segment in segments if segment.id in only]
 
 
-def _curves(parts: Parts, joints: Sequence[Joint], apart: Collection[str], only: Collection[str] | None) -> list[Curve]:
-    curves = parts.topology.curves()
+def _apart(
+    curves: list[Curve], parts: Parts, joints: Sequence[Joint], apart: Collection[str], only: Collection[str] | None
+) -> list[Curve]:
+    """The curves, each copied for those of its faces that are to be apart, and without the faces that have no mesh."""
     if not apart and only is None:
         return curves
     by_index = {wall.index: wall.segment.id for wall in parts.walls.values()}
