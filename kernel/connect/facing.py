@@ -87,13 +87,17 @@ class _Finder:
             if isinstance(first, Skin) and isinstance(second, Skin):
                 yield from self._noted(self._skins(first, second))
         hosts: dict[str, list[Skin]] = {}
-        for line, skin in (pair[::-1] for pair in pairs):
-            if isinstance(line, Line) and isinstance(skin, Skin) and not self._share(line, skin):
-                hosts.setdefault(line.segment, []).append(skin)
+        for skin, beam in pairs:
+            if isinstance(beam, Line) and isinstance(skin, Skin) and not self._share(beam, skin):
+                hosts.setdefault(beam.segment, []).append(skin)
         for name, skins in hosts.items():
             yield from self._noted(self._ends(self.lines[name], skins))
             for skin in skins:
-                yield from self._noted(self._along(self.lines[name], skin))
+                line = self.lines[name]
+                ties = self._along(line, skin)
+                if not ties and not skin.is_solid:
+                    ties = self._rim_on_side(skin, line)
+                yield from self._noted(ties)
         for one, other in pairs:
             if isinstance(one, Line) and isinstance(other, Line) and not self._share(one, other):
                 yield from self._noted(self._on_side(one, other) or self._on_side(other, one))
@@ -314,17 +318,35 @@ class _Finder:
                     side.distance(host.polygon) <= slack and side.intersection(host.polygon).area <= slack * host.radius
                 )
             else:
-                is_on = node in line.ends and host.polygon.boundary.distance(shapely.Point(place)) <= slack
+                is_on = node in line.ends and host.polygon.distance(shapely.Point(place)) <= slack
             if is_on:
-                weights = np.array([1 - share, share])
-                heavy = weights > AXIS
-                nodes = np.array(pair)[heavy]
-                if len(nodes) == 1:
-                    ties.append(Tie("rigid", None, np.array([node]), nodes))
-                else:
-                    hosts, shares = (nodes,), (weights,)
-                    ties.append(Tie("interpolated", None, np.array([node]), hosts=hosts, host_weights=shares))
+                ties.append(_on_line(node, pair, share))
         return ties
+
+    def _rim_on_side(self, skin: Skin, host: Line) -> list[Tie]:
+        """Nodes of a shell's rim that stand on the side of a beam."""
+        ties: dict[int, Tie] = {}
+        for edge, node in ((side, end) for side in skin.rim() for end in (side.start, side.end)):
+            found = None if node in self.bound or node in ties else host.foot(self.points, self.points[node])
+            if found is None:
+                continue
+            pair, share, axes = found
+            arm = self.points[node] - (1 - share) * self.points[pair[0]] - share * self.points[pair[1]]
+            apart = host.polygon.boundary.distance(shapely.Point(arm @ axes[1:].T))
+            is_ahead = -float(arm @ edge.out) > LEANING * float(np.linalg.norm(arm))
+            if apart <= self.reach + AXIS * host.radius and is_ahead:
+                ties[node] = _on_line(node, pair, share)
+        return [tie for _, tie in sorted(ties.items())] if len(ties) > 1 else []
+
+
+def _on_line(node: int, pair: tuple[int, int], share: float) -> Tie:
+    """A node that follows the place `share` of the way along an element, or one of its nodes."""
+    weights = np.array([1 - share, share])
+    heavy = weights > AXIS
+    nodes = np.array(pair, dtype=np.int64)[heavy]
+    if len(nodes) == 1:
+        return Tie("rigid", None, np.array([node]), nodes)
+    return Tie("interpolated", None, np.array([node]), hosts=(nodes,), host_weights=(weights,))
 
 
 def _interpolated(nodes: Sequence[int], feet: Sequence[Foot], has_rotations: bool) -> Tie:

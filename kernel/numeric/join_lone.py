@@ -24,6 +24,9 @@ from kernel.numeric.match import quad_scaled_jacobian
 
 _LEAST = 0.45
 """Scaled Jacobian from which a quad is taken: smoothing makes it better."""
+_FLAT = math.cos(math.radians(135.0))
+"""No quad has a corner of more than this between two sides that stay, such as two chords of one arc: split in four it
+would have one of nearly 180 degrees, which no smoothing makes better."""
 _SHAPE_WEIGHT = 0.5
 """Of two ways that cost alike the one with the better worst quad is taken."""
 _CENTRE = 3 * (1 - math.sin(2 * math.pi / 3))
@@ -149,6 +152,28 @@ def _recut(corner, twin, lock, leaving, mate, triangles, rim, n_side, way):
 
 
 @compiled
+def _is_flat(points, corner, lock, rim, n_side, way):
+    """Whether one of the quads (way: (n, 4) positions on the rim) has a flat corner between two locked sides."""
+    for m in range(n_side // 2 - 1):
+        for k in range(4):
+            u = way[m, (k + 3) % 4]
+            v = way[m, k]
+            w = way[m, (k + 1) % 4]
+            if v != (u + 1) % n_side or w != (v + 1) % n_side or lock[rim[u]] == 0 or lock[rim[v]] == 0:
+                continue
+            a = corner[rim[u]]
+            b = corner[rim[v]]
+            c = corner[rim[w]]
+            ux = points[a, 0] - points[b, 0]
+            uy = points[a, 1] - points[b, 1]
+            vx = points[c, 0] - points[b, 0]
+            vy = points[c, 1] - points[b, 1]
+            if ux * vx + uy * vy < _FLAT * math.sqrt((ux * ux + uy * uy) * (vx * vx + vy * vy)):
+                return True
+    return False
+
+
+@compiled
 def _join(points, corner, twin, lock, leaving, mate, triangles, n, rim, corners, angle, less, own):
     """Cut the polygon of n triangles in the best way, if that is better than what is there."""
     n_side = n + 2
@@ -186,7 +211,7 @@ def _join(points, corner, twin, lock, leaving, mate, triangles, n, rim, corners,
             worst = min(worst, quality)
             for k in range(4):
                 own[_WAYS[n_quad - 1, w, m, k]] += 1.0
-        if worst < _LEAST:
+        if worst < _LEAST or _is_flat(points, corner, lock, rim, n_side, _WAYS[n_quad - 1, w]):
             continue
         cost = _SHAPE_WEIGHT * (1 - worst)
         for k in range(n_side):

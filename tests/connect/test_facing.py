@@ -191,6 +191,18 @@ def test_beams_side_by_side_are_tied_along(place):
     assert sum(len(tie.dependent) for tie in ties_of(place(model))) in (3, 4)
 
 
+@PLACES
+def test_the_rim_of_a_plate_on_the_side_of_a_beam_follows_it(place):
+    panel = shell("s1", (0, 10, 0), (100, 0, 0), (0, 60, 0), 5, 3, 6.0)
+    rail = np.column_stack([np.linspace(-20, 120, 8), np.zeros(8), np.zeros(8)])
+    n = len(panel[0])
+    beam = (rail, line_block("s2", range(n, n + 8), (0, 1, 0)), beam_property("s2", box(0, 0, 20, 30)))
+    model = together(panel, beam)
+    ties = ties_of(place(model))
+    dependents = [int(tie.dependent[0]) for tie in ties]
+    assert dependents == np.flatnonzero(panel[0][:, 1] == 10).tolist()
+
+
 # ---------------------------------------------------------------- what does not touch
 
 

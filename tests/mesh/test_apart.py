@@ -39,6 +39,8 @@ CONTACTS = [
     "i_beside_column",
     "ladder",
     "truss_triangle",
+    "truss_warren",
+    "frame_with_panel",
 ]
 
 

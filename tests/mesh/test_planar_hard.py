@@ -71,3 +71,37 @@ def test_a_strip_with_holes_across_most_of_it_meshes() -> None:
     triangles = mesh_region(plane, 3.0, "tri")
     assert_meshes(plane, triangles)
     assert least_angles(triangles).min() >= 30
+
+
+def sector(radius: float, degrees: float, size: float) -> np.ndarray:
+    """From the centre along the x axis, round, and back."""
+    end = math.radians(degrees)
+    n = 2 * max(1, round(end * radius / size / 2), math.ceil(degrees / 30))
+    arc = np.linspace(0, end, n + 1)[:-1]
+    tip = radius * np.array([math.cos(end), math.sin(end)])
+    straight = (polygon([(0, 0), (radius, 0)], size), polygon([(tip[0], tip[1]), (0, 0)], size))
+    half = [side[: len(side) // 2] for side in straight]
+    return np.concatenate([half[0], radius * np.column_stack([np.cos(arc), np.sin(arc)]), half[1]])
+
+
+def corners_between_chords(mesh, plane) -> list[float]:
+    """Degrees of the quads' corners between two of the region's edges."""
+    sides = {frozenset(edge) for edge in plane.edges.tolist()}
+    found = []
+    for quad in mesh.quads.tolist():
+        for before, at, after in zip(quad[-1:] + quad[:-1], quad, quad[1:] + quad[:1], strict=True):
+            if {frozenset((before, at)), frozenset((at, after))} <= sides:
+                u, v = mesh.points[after] - mesh.points[at], mesh.points[before] - mesh.points[at]
+                found.append(math.degrees(math.atan2(u[0] * v[1] - u[1] * v[0], u @ v)) % 360)
+    return found
+
+
+@pytest.mark.parametrize("degrees", [105, 140, 180, 230])
+@pytest.mark.parametrize("size", [3.0, 4.0, 5.0, 6.0, 8.0])
+def test_no_quad_has_two_chords_of_one_arc_for_sides(degrees: float, size: float) -> None:
+    """It would have a corner of 165 degrees, whatever the smoothing does."""
+    plane = region([sector(20.0, degrees, size)])
+    mesh = mesh_region(plane, size)
+    assert_meshes(plane, mesh)
+    assert len(mesh.triangles) == 0
+    assert max(corners_between_chords(mesh, plane)) < 150
