@@ -57,8 +57,8 @@ class _Halves:
 
 
 def cells_of_region(region: Region) -> list[RegionCell] | None:
-    """The cells, in the order of their first edges; None where no imprint parts the region."""
-    if region.is_boundary.all():
+    """The cells, in the order of their first edges; None where neither imprint nor pinch parts the region."""
+    if region.is_boundary.all() and np.bincount(region.edges[:, 0]).max() < 2:
         return None
     halves = _halves(region)
     walks = _walks(region, halves)

@@ -12,7 +12,7 @@ import numpy as np
 import shapely
 from shapely import STRtree
 
-from kernel.segment.walls import PlaneWall, Wall
+from kernel.segment.walls import PlaneWall, TubeWall, Wall
 from kernel.solid.fins import without_fins
 from kernel.solid.solid import intersect, subtract
 
@@ -51,9 +51,10 @@ def settle_corners(solid: Solid, slabs: list[tuple[Wall, Solid]]) -> list[WallPa
         losses[j if winner == i else i].append(corner)
     parts: list[tuple[int, WallPart]] = []
     for index, (wall, slab) in enumerate(slabs):
-        for whole in slab.components():
+        # a tube's slab keeps sheets where the bore of another around it goes on: they would hold pieces together
+        for whole in (without_fins(slab) if isinstance(wall, TubeWall) else slab).components():
             own = without_fins(subtract(whole, losses[index]) if losses[index] else whole)
-            if not own.is_empty and own.volume > EMPTY * volume:
+            if not own.is_empty and own.volume > EMPTY * volume and own.components():  # flakes are no components
                 parts.append((index, WallPart(wall, own)))
     parts.sort(key=lambda item: rank[item[0]])
     return _without_triples([part for _, part in parts], losses, volume)

@@ -35,7 +35,7 @@ LEVEL = 1 - 1e-7
 """Facets of a curved surface lie in one plane when the cosine between their normals is more than this, or less than its
 negative."""
 
-MOST_ROUNDS = 4
+MOST_ROUNDS = 12
 """Times that fins are looked for."""
 
 MOST_PASSES = 50

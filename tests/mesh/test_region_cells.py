@@ -62,6 +62,18 @@ def test_a_plate_with_ribs_through_it_is_a_grid() -> None:
     assert scaled_jacobian(mesh).min() > 1 - 1e-9
 
 
+def test_what_hangs_together_by_a_point_is_meshed_part_by_part() -> None:
+    left = divided([(0, 0), (8, 0), (14, 6), (8, 12), (0, 12)])
+    right = divided([(14, 6), (20, 0), (30, 0), (30, 12), (20, 12)])
+    plate = with_lines([left, right], [])
+    cells = cells_of_region(plate)
+    assert cells is not None and len(cells) == 2
+    mesh = mesh_region(plate, 1.0)
+    assert len(mesh.quads) == sum(len(mesh_region(cell.region, 1.0).quads) for cell in cells)
+    for cell in cells:
+        assert_meshes(cell.region, mesh_region(cell.region, 1.0))
+
+
 def test_ribs_that_cross_part_a_plate_in_four() -> None:
     outline = divided([(0, 0), (14, 0), (30, 0), (30, 4), (30, 10), (14, 10), (0, 10), (0, 4)])
     lines = [chain((14, 0), (14, 4), (14, 10)), chain((0, 4), (14, 4), (30, 4))]
