@@ -239,7 +239,7 @@ def _graded_sizes(
             if is_line and rules.layers is None and np.median(found) < STRIP * wanted[place]:
                 ordered = np.maximum(ordered, STRIP * wanted[place])
             np.minimum(sizes[place], ordered, out=sizes[place])
-    if rules.spreads:
+    if rules.spreads and curves:
         for place, curve in enumerate(curves):
             if is_curved(topology.carrier(curve.carrier)):
                 np.minimum(sizes[place], curve.length / least[place], out=sizes[place])

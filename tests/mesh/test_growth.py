@@ -84,3 +84,8 @@ def test_a_pipe_has_as_many_round_it(per_circle):
 def test_what_makes_no_sense_is_refused(options, complaint):
     with pytest.raises(OptionError, match=complaint):
         assembled(DRILLED, **options)
+
+
+def test_growth_asked_of_beams_alone_has_nothing_to_grow_along():
+    assembly, _ = assembled("BAR = BLO(600, 20, 20)\n", size=30.0, growth=1.2, per_circle=24, layers=2)
+    assert [(block.kind, len(block.connectivity)) for block in assembly.mesh.blocks] == [("line2", 20)]
