@@ -9,6 +9,10 @@ count
 more than there is; in a sector of more than 180 degrees less, for there the solid has a mitre. Together that comes to 0
 for a corner at any angle, to t t' L / (2 sin a) for a tee, to t t' L / sin a for a cross.
 
+Pipes of one radius and thickness t whose axes cross are tangent in the ends of that curve, half an ellipse, and have no
+such sectors. But their walls are cut by planes through the crossing: a pipe that ends at the height c r cos(phi) above
+it is counted c t^3 / 12 times the integral of cos(phi) too long. A mitre comes to 0, a tee to 2 t^3 / (3 sin a).
+
 A wall that ends on a bent curve reaches half the other's slab deep over an area other than L times the depth: this
 comes on top. Where three walls meet in a point, the rows of their three curves count the piece that all have in common
 wrongly, by a multiple of t t' t'' / |det(n, n', n'')|: an affine map makes any three slabs orthogonal, and there it is
@@ -28,8 +32,10 @@ from numpy.typing import NDArray
 from kernel.idealise.carriers import Circle, Line
 from kernel.idealise.crossings import slab_edges
 from kernel.idealise.outlines import unwrapped
+from kernel.idealise.sheets import CylinderSheet
 from kernel.idealise.stars import star_excess, star_moment
 from kernel.idealise.topology import BOUNDARY, Curve, Topology
+from kernel.idealise.tube_curve import TubeCurve
 from kernel.idealise.walls import CROSSING_SINE, Wall
 
 Array = NDArray[np.float64]
@@ -47,6 +53,9 @@ NEAR = 0.25
 
 SAME = 1e-9
 """Walls are equally thick when their thicknesses agree to this share of the model's size."""
+
+PIPES = "pipes of one radius"
+"""Cause of what their mid-surfaces count twice."""
 
 _LINES = ((0, 1), (0, 2), (1, 2))
 
@@ -90,6 +99,8 @@ def _planes(topology: Topology, curve: Curve, by_face: dict[int, Wall]) -> dict[
 def _on_curve(topology: Topology, curve: Curve, planes: dict[Plane, list[int]], by_face: dict[int, Wall]) -> Row | None:
     """The row of one curve; None where its walls meet at hardly any angle."""
     carrier = topology.carrier(curve.carrier)
+    if isinstance(carrier, TubeCurve):
+        return _on_tubes(carrier, curve, by_face)
     stations = np.linspace(curve.start, curve.end, 2 * SAMPLES + 1)
     points = carrier.at(stations)
     middles = points[1::2]
@@ -122,6 +133,25 @@ def _on_curve(topology: Topology, curve: Curve, planes: dict[Plane, list[int]], 
             volume += wall.thickness * (strip_area(topology, curve, wall, other, side) - float(steps @ depth))
     kind = {(2, 2): "corner", (2, 3): "tee", (2, 4): "cross"}.get((len(planes), len(rays)), "walls on one line")
     return tuple(by_face[face].segment.id for faces in planes.values() for face in faces), kind, volume
+
+
+def _on_tubes(carrier: TubeCurve, curve: Curve, by_face: dict[int, Wall]) -> Row | None:
+    """The row of pipes of one radius and thickness, whose curve is half an ellipse; None for others."""
+    frame = carrier.frame
+    uses = [(by_face[face], use) for face, use in curve.uses.items()]
+    if max(frame.gaps) or frame.pinch or len({wall.thickness for wall, _ in uses}) > 1:
+        return None
+    ends = carrier.at(np.array([curve.start, 0.5 * (curve.start + curve.end), curve.end]))
+    sines = (ends - frame.origin) @ frame.n / frame.small.radius
+    tangent = carrier.at(np.array([0.5 * (curve.start + curve.end) + 1e-3 * curve.length]))[0] - ends[1]
+    volume = 0.0
+    for wall, use in uses:
+        if use.role == BOUNDARY and isinstance(wall.sheet, CylinderSheet):
+            axis = wall.sheet.axis.direction
+            inward = np.cross(wall.sheet.normals(ends[1:2])[0], tangent) * (1.0 if use.forward else -1.0)
+            slope = float((ends[1] - frame.origin) @ axis) / (wall.sheet.radius * np.sqrt(1 - sines[1] ** 2))
+            volume += float(np.sign(inward @ axis)) * slope * abs(sines[2] - sines[0]) * wall.thickness**3 / 12
+    return tuple(dict.fromkeys(wall.segment.id for wall, _ in uses)), PIPES, volume
 
 
 def _angles(rays: Array, tangents: Array) -> Array:

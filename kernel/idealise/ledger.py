@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from kernel.connect.bodies import Bodies
 from kernel.idealise.askew import is_filled, own_edge
 from kernel.idealise.carriers import Circle, Line
-from kernel.idealise.closed_forms import Row, closed_forms, strip_area
+from kernel.idealise.closed_forms import PIPES, Row, closed_forms, strip_area
 from kernel.idealise.crossings import Crossing
 from kernel.idealise.ledger_row import BALANCE, JOINT, SHAPE, UNEXPLAINED, LedgerRow
 from kernel.idealise.outlines import Stretch, unwrapped
@@ -41,6 +41,9 @@ as much."""
 MISFIT = 0.05
 """A wall whose middle times its thickness differs from its own volume by more than this share has another thickness
 than its material. Counterbores and bevels of the labelled models come to 0.8 %."""
+
+FACETED = 2e-7
+"""Share of its volume to which a solid is known whose curved faces meet at hardly any angle somewhere."""
 
 _STEPS = 32
 """Parts into which a curved stretch is divided for its area, before Richardson's extrapolation."""
@@ -138,7 +141,12 @@ def volume_ledger(parts: Parts, curves: Sequence[Curve], solid: float) -> tuple[
         whole = {name: left[name] + shapes[name] for name in names}
         if abs(sum(whole.values())) <= CLOSES * total:
             # what faces askew gained or lost is what the walls that meet there lost or gained
-            rows.add(tuple(names), "material of joints, divided between their segments", BALANCE, whole)
+            rows.add(tuple(names), MATERIAL, BALANCE, whole)
+            continue
+        if abs(sum(whole.values())) <= FACETED * total and any(cause == PIPES for _, cause, _ in closed.get(group, [])):
+            rest = sum(whole.values()) / len(whole)
+            rows.add(tuple(names), MATERIAL, BALANCE, {name: volume - rest for name, volume in whole.items()})
+            rows.add(tuple(names), "facets where curved faces meet flat", UNEXPLAINED, dict.fromkeys(names, rest))
             continue
         for name in names:
             cause = "material of a corner, counted by the walls that meet there"
@@ -146,11 +154,12 @@ def volume_ledger(parts: Parts, curves: Sequence[Curve], solid: float) -> tuple[
                 cause = "its own faces are not square to the mid-surface"
             rows.add((name,), cause, SHAPE, {name: shapes[name]})
         is_closed = abs(sum(left.values())) <= CLOSES * total
-        cause = "material of joints, divided between their segments" if is_closed else NO_FORM
+        cause = MATERIAL if is_closed else NO_FORM
         rows.add(tuple(names), cause, BALANCE if is_closed else UNEXPLAINED, left)
     return rows.result()
 
 
+MATERIAL = "material of joints, divided between their segments"
 NO_FORM = "joints of walls without a closed form"
 WEDGE = "a square end carried on to the face that it meets askew"
 TRIMMED = "an edge cut back to a joint also where nothing stands against it"

@@ -238,6 +238,15 @@ def test_pipes_of_one_radius_share_a_curve_with_two_corners(radius, thickness):
     assert any("as if both had the radius 58" in warning for warning in assembly.warnings) == (thickness == 3)
 
 
+@pytest.mark.parametrize("angle", [90, 60, 45])
+def test_a_tee_of_one_radius_counts_two_thirds_of_its_wall_cubed_twice(angle):
+    assembly, evaluated = assembled(branch(60, angle, t=4.0))
+    twice = sum(row.volume for row in assembly.ledger if row.kind == "joint")
+    assert twice == pytest.approx(2 / 3 * 4**3 / np.sin(np.radians(angle)), rel=1e-9)
+    rest = sum(row.volume for row in assembly.ledger if row.kind == "unexplained")
+    assert abs(rest) < 2e-7 * evaluated.solid.true_volume
+
+
 def test_pipes_that_miss_one_another_are_refused_by_name_and_place():
     with pytest.raises(ConnectError, match=r"mid-surfaces of s1 .* and s2 .* come within 1.7 of one another near"):
         assembled(branch(61.2, 90))
