@@ -67,6 +67,11 @@ def test_a_labelled_model_is_so_with_its_tees_by_arms(name):
     assert not any(row.cause == "tee" for row in meshed.checks.ledger)
 
 
+@pytest.mark.parametrize("name", NAMES)
+def test_a_labelled_model_is_so_in_triangles_of_second_order_on_arms_and_coupled_by_work(name):
+    is_whole(mesh(classified(name), MeshOptions(order=2, faces="tri", tee="arms"), coupling="work"))
+
+
 @pytest.mark.parametrize("tee", ["extend", "arms"])
 @pytest.mark.parametrize("name", MIXED)
 def test_with_exact_mass_every_segment_weighs_what_its_solid_does(name, tee):
