@@ -41,6 +41,10 @@ END_ON = 0.9
 END_IN = 0.4
 """The same on cones, spheres and tori, which no beam lies along: it ends in them, or they sit around it."""
 
+AROUND = 0.25
+"""Of two coaxial tubes' thicknesses: with mid-surfaces further apart than this one is around the other, nearer they
+go on in one another. It is 0.5 where they only touch."""
+
 LIES_ALONG = 0.9
 """A plate that a tube meets in this direction (cosine to its normal) is met on its face."""
 
@@ -167,11 +171,18 @@ def _kind(
     if any(isinstance(segment.shape, BrickShape) for segment in pair):
         return "face"
     tubes = [segment.shape for segment in pair if isinstance(segment.shape, CylinderShape)]
-    if len(tubes) == 2 and all(surface in tube.surface_ids for surface, tube in zip(surfaces, tubes)):
-        return "lap"  # one tube around the other
+    if len(tubes) == 2 and _is_around(tubes[0], tubes[1], pair[0].solid.surfaces.surfaces[surfaces[0]]):
+        return "lap"
     if tubes:
         return "lap" if _lies_along(pair, normal) else "pipe"
     return _wall_kind(pair, surfaces, centre, middles)
+
+
+def _is_around(one: CylinderShape, other: CylinderShape, surface: Surface) -> bool:
+    """Whether two tubes meet on a cylinder about their common axis, most of the one outside of the other: a sleeve."""
+    if not isinstance(surface, CylinderSurface) or not one.axis_id == other.axis_id == surface.axis_id:
+        return False
+    return abs(one.mid_radius - other.mid_radius) > AROUND * (one.thickness + other.thickness)
 
 
 def _lies_along(pair: tuple[Segment, Segment], normal: Array) -> bool:

@@ -23,6 +23,7 @@ from shapely import MultiPolygon, Polygon
 
 from kernel.segment.faces import Faces, Region, faces_of
 from kernel.segment.slices import parts_of, smallest_rectangle
+from kernel.segment.stretches import heights_apart
 from kernel.solid.surfaces import Axis, CylinderSurface, Plane
 from kernel.units import ANGLE_TOLERANCE
 
@@ -281,8 +282,9 @@ def _tube_walls(faces: Faces) -> Iterator[TubeWall]:
                     continue
                 hidden = [surface for radius, surface in outer_faces if inner_radius < radius < outer_radius]
                 wall = _tube_wall(faces, inner, outer, hidden)
-                if wall is not None and wall.width >= OPENING_FACTOR * thickness * (1.0 - MET):
-                    yield wall
+                for stretch in stretches(faces, wall) if wall is not None else ():
+                    if stretch.width >= OPENING_FACTOR * thickness * (1.0 - MET):
+                        yield stretch
 
 
 def _tube_wall(faces: Faces, inner: int, outer: int, hidden: list[int]) -> TubeWall | None:
@@ -304,6 +306,15 @@ def _tube_wall(faces: Faces, inner: int, outer: int, hidden: list[int]) -> TubeW
         outer_radius=outer_surface.radius,
         paired=MultiPolygon(parts),
     )
+
+
+def stretches(faces: Faces, wall: TubeWall) -> list[TubeWall]:
+    """The wall in stretches along its axis, cut where there is nothing between them: rings about a pipe are many.
+
+    Where another wall runs through it, the wall goes on.
+    """
+    groups = heights_apart(faces.facets, wall.axis, wall.mid_radius, parts_of(wall.paired))
+    return [wall] if len(groups) == 1 else [replace(wall, paired=MultiPolygon(parts)) for parts in groups]
 
 
 def enclosing_tube(solid: Solid) -> TubeWall | None:

@@ -95,6 +95,35 @@ BEAMS = {
         "along",
         "beam beam plate",
     ),
+    "tee stiffeners of web and flange": Joined(
+        union(
+            cube(900, 400, 8),
+            *(cube(900, 6, 70, (0, y - 3, 8)) for y in (100, 300)),
+            *(cube(900, 60, 8, (0, y - 30, 78)) for y in (100, 300)),
+        ),
+        "along",
+        "beam beam beam beam plate",
+        size=40.0,
+    ),
+    "stiffeners through frames": Joined(
+        union(
+            cube(900, 400, 8),
+            *(cube(900, 14, 30, (0, y - 7, 8)) for y in (100, 300)),
+            *(cube(8, 400, 120, (x, 0, 8)) for x in (296, 596)),
+        ),
+        "along end_on tee",
+        " ".join(["beam"] * 6 + ["plate"] * 3),
+        size=40.0,
+    ),
+    "stringers on a shell": Joined(
+        union(
+            tube(900, 150, 146),
+            *(cube(20, 12, 900, turned("z", a) @ (150, -6, 0), turned("z", a)) for a in (0, 77, 130, 240)),
+        ),
+        "along",
+        "beam beam beam beam cylinder_plate",
+        size=40.0,
+    ),
     "stiffeners crossing a plate's tee": Joined(
         union(cube(500, 200, 8), cube(8, 200, 100, (246, 0, -100)), cube(500, 20, 20, (0, 90, 8))),
         "along tee",

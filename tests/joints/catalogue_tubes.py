@@ -111,6 +111,20 @@ TUBES = {
     "pipe that slides out of another": Joined(
         union(PIPE, tube(200, 56, 52, (0, 0, 120))), "lap", "cylinder_plate cylinder_plate"
     ),
+    "sleeve let into a pipe": Joined(union(PIPE, tube(80, 66, 59, (0, 0, 60))), "lap", "cylinder_plate cylinder_plate"),
+    "rings about a pipe": Joined(
+        union(PIPE, *(tube(6, 90, 59, (0, 0, z)) for z in (40, 97, 150))), "pipe", "cylinder_plate plate plate plate"
+    ),
+    "frames about a shell": Joined(
+        union(
+            tube(300, 150, 146),
+            *(tube(6, 190, 148, (0, 0, z)) for z in (70, 200)),
+            *(tube(36, 196, 190, (0, 0, z - 15)) for z in (70, 200)),
+        ),
+        "pipe",
+        " ".join(["cylinder_plate"] * 3 + ["plate"] * 2),
+        size=30.0,
+    ),
     "saddle on a pipe": Joined(union(PIPE, half(tube(80, 64, 60, (0, 0, 60)))), "lap", "cylinder_plate cylinder_plate"),
     **{
         f"plate on a pipe, {depth} deep in it": Joined(
