@@ -7,7 +7,7 @@ give equal facts however they are turned, moved or written, and a limit met exac
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -199,6 +199,19 @@ def _strips(wall: PlaneWall, solid: Solid) -> tuple[float, float]:
     middle = slice_polygon(solid.facets, wall.normal, 0.5 * (wall.bottom + wall.top), wall.u, wall.v)
     outline = sum(shapely.Polygon(part.exterior).area for part in parts_of(middle))
     return min(middle.area / outline, 1.0), 2.0 * middle.area / (middle.length * wall.thickness)
+
+
+def members(beams: Sequence[tuple[float, Prism]], cut_count: int, solid: Solid) -> dict[str, Value]:
+    """What operands that are beams by themselves, (volume, prism) each, hold of the solid and fill of their boxes.
+
+    cut_count: how many of them the other operands cut in pieces.
+    """
+    held = sum(volume for volume, _ in beams)
+    values: dict[str, Value] = {"beam_share": held / solid.volume, "cut_beam_count": cut_count}
+    if beams:
+        filled = sum(volume * prism.area / (prism.long_side * prism.short_side) for volume, prism in beams)
+        values["beam_fill"] = filled / held
+    return _rounded(values)
 
 
 def necks(piece_count: int, member_volume: float, volume: float) -> dict[str, Value]:

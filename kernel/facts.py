@@ -12,7 +12,7 @@ from types import MappingProxyType
 
 Value = float | int | bool | str
 
-TIERS = ("intent", "extents", "prism", "walls", "necks")
+TIERS = ("intent", "extents", "prism", "walls", "members", "necks")
 """Cheap before dear: a node is asked tier by tier and stops where the rules conclude."""
 
 
@@ -119,6 +119,10 @@ VOCABULARY: tuple[FactSpec, ...] = (
     ),
     FactSpec("radius_ratio", "walls", "ratio", "mean radius / thickness of the worst cylindrical wall"),
     FactSpec("hole_count", "walls", "count", "inner boundary loops of all walls"),
+    # members: what the operands would be, each deciding for itself
+    FactSpec("beam_share", "members", "ratio", "share of the volume that operands hold which are beams by themselves"),
+    FactSpec("cut_beam_count", "members", "count", "those of them that other operands cut in pieces"),
+    FactSpec("beam_fill", "members", "ratio", "share of their sections' boxes that these beams fill, mean by volume"),
     # necks: what cuts at concave edges would give
     FactSpec("neck_count", "necks", "count", "pieces after cuts at necks"),
     FactSpec("neck_share", "necks", "ratio", "share of the volume that is not brick after cuts at necks"),

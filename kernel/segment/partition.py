@@ -11,6 +11,7 @@ The walk judges nothing: `decide` does (see plan.py). It records every question 
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
@@ -100,6 +101,7 @@ class _Walk:
     pins: Pins
     answers: dict[tuple, Conclusion | Need] = field(default_factory=dict)
     trials: dict[int, tuple[Piece, Outcome]] = field(default_factory=dict)
+    divided: dict[int, tuple[Piece, Outcome]] = field(default_factory=dict)
     neck_depth: int = 0
 
     # ---- asking
@@ -149,11 +151,25 @@ class _Walk:
         return answer
 
     def _measure(self, piece: Piece, tier: str) -> dict:
+        if tier == "members":
+            return self._members(piece)
         if tier != "necks":
             return describe.measure(piece, tier)
         outcome = self._cut(piece)
         members = sum(draft.solid.volume for draft in outcome.drafts if draft.type != "brick")
         return describe.necks(len(outcome.drafts), members, piece.solid.volume)
+
+    def _members(self, piece: Piece) -> dict:
+        """What the operands would be without any override, each deciding for itself."""
+        if piece.operand is None or not operands_of(piece.operand):
+            return {}
+        walk = replace(self, pins=Pins({}, {}), trials={}, divided={}) if self.pins.by_operand else self
+        drafts = walk._operands(piece, operands_of(piece.operand)).drafts
+        beams = [draft for draft in drafts if draft.type == "beam"]
+        pieces = Counter((draft.path, draft.sources) for draft in beams)
+        cut_count = sum(count > 1 for count in pieces.values())
+        held = [(draft.solid.volume, draft.prism) for draft in beams if draft.prism is not None]
+        return describe.members(held, cut_count, piece.solid)
 
     # ---- carrying out
 
@@ -185,16 +201,23 @@ class _Walk:
     def _split(self, piece: Piece, decision: Decision) -> Outcome:
         operands = operands_of(piece.operand) if piece.operand is not None else ()
         if operands:
-            outcome = _joined([self.settle(child) for child in self._children(piece, operands)])
-            drafts = settle_overlaps(outcome.drafts)
             if decision.by_rule.type == "split" or decision.override is None or self.pins.of(piece.operand) is None:
-                return self._cluster(piece, Outcome(tuple(drafts), outcome.decisions))
-            return Outcome(tuple(drafts), outcome.decisions)
+                return self._operands(piece, operands)
+            outcome = _joined([self.settle(child) for child in self._children(piece, operands)])
+            return Outcome(tuple(settle_overlaps(outcome.drafts)), outcome.decisions)
         if len(piece.components) < 2:
             raise UnfitError("it is one solid and has no operands")
         return _joined(
             [self.settle(piece.part(part, number, "piece")) for number, part in enumerate(piece.components, 1)]
         )
+
+    def _operands(self, piece: Piece, operands: Sequence[Operand]) -> Outcome:
+        """Every operand decided, what they share given to one of them, and clusters combined; done once."""
+        if id(piece) not in self.divided:
+            outcome = _joined([self.settle(child) for child in self._children(piece, operands)])
+            drafts = tuple(settle_overlaps(outcome.drafts))
+            self.divided[id(piece)] = (piece, self._cluster(piece, Outcome(drafts, outcome.decisions)))
+        return self.divided[id(piece)][1]
 
     def _children(self, piece: Piece, operands: Sequence[Operand]) -> list[Piece]:
         """Pieces for the operands that have material, each knowing the others whose boxes touch its own."""

@@ -88,6 +88,12 @@ def plain_decide(facts: Facts) -> Conclusion | Need:
     if "wall_share" not in facts:
         return Need("walls")
     is_lattice = facts.get("outline_fill", 1.0) < 0.5 and facts["strip_ratio"] < 3.0
+    if facts["wall_share"] > 0.5 and not is_lattice and facts["operand_count"] > 1:
+        if facts.tier == "walls":
+            return Need("members")
+        is_frame = facts["beam_share"] >= 0.3 and facts["beam_fill"] <= 0.6 and facts["cut_beam_count"] == 0
+        if is_frame:
+            return _concluded("split", "frame")
     if facts["wall_share"] >= 0.95 and not is_lattice:
         if facts["wall_count"] == 1:
             return _concluded("plate" if facts["plane_wall_count"] else "cylinder_plate", "one wall")

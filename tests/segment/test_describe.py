@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import pytest
+from segmenting import plain_decide
 
 from kernel import describe
 from kernel.csg.reader import read_model
@@ -153,3 +154,20 @@ def test_a_part_without_flat_walls_has_no_strips():
     pipe = describe.walls(piece_of(f"difference() {{ {rod(60, 300)} {at(0, 0, -1, rod(56, 302))} }}"))
     assert pipe["cylinder_wall_count"] == 1
     assert not {"outline_fill", "strip_ratio"} & set(pipe)
+
+
+def test_what_operands_would_be_by_themselves_is_measured_on_their_beams():
+    tube = f"difference() {{ {box(40, 40, 600)} {at(4, 4, -1, box(32, 32, 602))} }}"
+    asked = []
+
+    def decide(facts):
+        asked.append(facts)
+        return plain_decide(facts)
+
+    lying = f"difference() {{ {at(40, 0, 0, box(600, 40, 40))} {at(39, 4, 4, box(602, 32, 32))} }}"
+    partition(evaluate(read_model(f"union() {{ {tube} {lying} {at(0, 0, -8, box(640, 300, 8))} }}", "m.csg")), decide)
+    (root,) = (facts for facts in asked if facts.tier == "members" and facts["operand_count"] == 3)
+    beams = 2 * (40 * 40 - 32 * 32) * 600
+    assert root["beam_share"] == pytest.approx(beams / (beams + 640 * 300 * 8), rel=1e-5)
+    assert root["beam_fill"] == pytest.approx(1 - 0.8**2, rel=1e-5)
+    assert root["cut_beam_count"] == 0

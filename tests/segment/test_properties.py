@@ -92,7 +92,16 @@ def test_two_trees_of_one_solid_get_the_same_segments(one, other):
     assert answer(one) == answer(other)
 
 
-LATTICES = ["frame_braced", "frame_braced_thin", "frame_with_panel", "grillage", "truss_pratt", "truss_warren"]
+LATTICES = [
+    "frame_braced",
+    "frame_braced_thin",
+    "frame_with_panel",
+    "grillage",
+    "frame_ladder_channels",
+    "frame_tubes_deck",
+    "truss_pratt",
+    "truss_warren",
+]
 
 
 @pytest.mark.parametrize("angles", [(0.0, 0.0, 0.5236), (0.4, -1.1, 2.0)])
