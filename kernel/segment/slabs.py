@@ -86,6 +86,8 @@ def _less(solid: Solid, parts: list[WallPart]) -> list[Solid]:
         return list(solid.components())
     if len(parts) == 1 and parts[0].solid is solid:
         return []
+    if solid.volume - sum(part.solid.volume for part in parts) < EMPTY * solid.volume:
+        return []  # parts are disjoint; a Boolean of nothing but coincident faces has come out with a piece of them
     rest = subtract(solid, [part.solid for part in parts])
     if rest.is_empty or rest.volume < EMPTY * solid.volume:
         return []

@@ -30,6 +30,16 @@ def elbow(angle: float) -> str:
     return difference(union(*legs), *bores)
 
 
+def mitre(angle: float) -> str:
+    """Two tubes of radius 60, each cut by the plane between them, that touch there."""
+    half, lean = turned("y", angle / 2), turned("y", angle)
+    first, second = (placed(cube(1000, 1000, 1000, (-500, -500, low)), turn=half) for low in (-1000, 0))
+    return union(
+        intersection(tube(420, 60, 56, (0, 0, -300)), first),
+        intersection(placed(tube(420, 60, 56, (0, 0, -120)), turn=lean), second),
+    )
+
+
 def wye(*angles: float) -> str:
     """Pipes of radius 60 that leave one point in a plane."""
     leans = [turned("y", angle) for angle in angles]
@@ -76,6 +86,7 @@ PIPES = {
     "pipe tee of one outer radius, thinner branch": Joined(tee(60, 90, 3), "pipe", TWO),
     "pipe tee of one outer radius, thicker branch": Joined(tee(60, 75, 5), "pipe", TWO),
     **{f"pipes in a mitre of {a}": Joined(elbow(a), "pipe", TWO) for a in (90, 30)},
+    "tubes cut to a mitre of 90": Joined(mitre(90), "pipe", TWO),
     **{f"pipe cross of one radius at {a}": Joined(cross(a), "pipe", TWO) for a in (90, 60)},
     "wye of three pipes": Joined(wye(0, 120, 240), "pipe", TWO + " cylinder_plate"),
     "pipes in a sleeve, apart": Joined(
