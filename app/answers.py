@@ -35,6 +35,10 @@ if TYPE_CHECKING:
     from kernel.solid.evaluate import Evaluated
 
 
+DIGITS = 12
+"""Of lengths, areas and volumes that are told: what lies beyond is rounding."""
+
+
 def classification(classified: Classified) -> Classification:
     """What `classify --json` gives."""
     return Classification(**_common(classified, {}))
@@ -127,7 +131,7 @@ def segment_answer(segment: Segment, section: SectionProperties | None) -> Segme
         name=segment.name,
         type=segment.type,
         origin=segment.origin,
-        volume=float(segment.volume),
+        volume=_told(segment.volume),
         thickness=_maybe(segment.thickness),
         length=_maybe(segment.length),
         radius=_maybe(segment.radius),
@@ -161,7 +165,7 @@ def _common(classified: Classified, sections: dict[str, SectionProperties]) -> d
         "rule_base": f"{classified.rule_base.name} {classified.rule_base.version}",
         "segments": [segment_answer(s, _section(s, sections)) for s in segments],
         "joints": [
-            JointAnswer(id=j.id, kind=j.kind, segments=list(j.segments), area=float(j.area), gap=float(j.gap))
+            JointAnswer(id=j.id, kind=j.kind, segments=list(j.segments), area=_told(j.area), gap=_told(j.gap))
             for j in classified.joints
         ],
         "checks": ChecksAnswer(
@@ -183,4 +187,9 @@ def _section(segment: Segment, sections: dict[str, SectionProperties]) -> Sectio
 
 
 def _maybe(value: float | None) -> float | None:
-    return None if value is None else float(value)
+    return None if value is None else _told(value)
+
+
+def _told(value: float) -> float:
+    """Without the digits that are but rounding: a plate 10 thick is not 10.000000000000455 thick."""
+    return float(f"{value:.{DIGITS}g}")
