@@ -57,6 +57,9 @@ CUT_BEYOND = 0.2
 HELD = 1e-3
 """A cell holds part of the wall when it has this share of its area (or of the thickness squared) outside strips."""
 
+PINHOLE = 0.01
+"""Holes beside a lump of two tubes are closed when smaller than this share of the thickness squared."""
+
 FREE = 0.3
 """A cell that holds nothing goes when more than this share of its outline is no joint curve."""
 
@@ -115,7 +118,7 @@ def _region(
     grown = shapely.intersection(shapely.union_all([own, *strips, *lumps], grid_size=grid), material, grid_size=grid)
     grown = shapely.union_all(parts_of(shapely.union_all([grown, *gaps], grid_size=grid)))
     if lumps:
-        grown = _without_pinholes(grown, shapely.union_all(lumps).buffer(CUT_BEYOND * wall.thickness))
+        grown = _without_pinholes(grown, shapely.union_all(lumps), PINHOLE * wall.thickness**2)
     curves = shapely.union_all(cuts)
     lines = shapely.union_all([grown.boundary, curves], grid_size=grid)
     near_curves = curves.buffer(20 * grid)
@@ -139,10 +142,14 @@ def _without_dust(own: PolygonLike, slabs: PolygonLike) -> PolygonLike:
     return shapely.union_all(kept) if kept else own
 
 
-def _without_pinholes(region: PolygonLike, lumps: PolygonLike) -> PolygonLike:
-    """The region less its holes where two tubes merge: sections that end there at hardly any angle leave some."""
+def _without_pinholes(region: PolygonLike, lumps: PolygonLike, least: float) -> PolygonLike:
+    """The region less its holes where two tubes merge, or which are smaller than `least` (an area) and reach out of it.
+
+    Sections that end there at hardly any angle leave some.
+    """
     holes = [Polygon(ring) for part in parts_of(region) for ring in part.interiors]
-    return shapely.union_all([region, *(hole for hole in holes if lumps.contains(hole))])
+    pinholes = [hole for hole in holes if lumps.contains(hole) or (hole.area < least and lumps.intersects(hole))]
+    return shapely.union_all([region, *pinholes])
 
 
 class _Sections:

@@ -54,7 +54,8 @@ def slabs_of_tube(
     for curve in (carrier, tube_curve(carrier.frame, -carrier.side)):
         (first, last), (start, end) = curve.clear_of_bends(0.5 * max(wall.thickness, other.thickness) + margin)
         for low, high in ((last, start), (end, first + curve.period)):
-            around.append(_strip_beside(topology, wall, other, curve, low, high, 0.0))
+            if high - low > topology.tolerance:
+                around.append(_strip_beside(topology, wall, other, curve, low, high, 0.0))
         whole.append(_strip_beside(topology, wall, other, curve, 0.0, curve.period, margin))
     return around, whole
 

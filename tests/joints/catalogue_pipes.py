@@ -8,12 +8,12 @@ from solids import cube, difference, intersection, placed, rod, tube, turned, un
 TWO = "cylinder_plate cylinder_plate"
 
 
-def tee(radius: float, angle: float, t: float = 4.0, run: float = 300.0) -> str:
-    """A pipe of radius 60 and wall 4, and one of `radius` and wall t that leaves it at `angle`."""
+def tee(radius: float, angle: float, t: float = 4.0, run: float = 300.0, wall: float = 4.0) -> str:
+    """A pipe of radius 60, and one of `radius` and wall t that leaves it at `angle`."""
     lean = turned("y", angle)
     return difference(
         union(rod(run, 60), rod(300, radius, (0, 0, run / 2), lean)),
-        rod(run + 100, 56, (0, 0, -50)),
+        rod(run + 100, 60 - wall, (0, 0, -50)),
         rod(350, radius - t, (0, 0, run / 2), lean),
     )
 
@@ -83,11 +83,13 @@ PIPE = tube(200, 60, 56)
 PIPES = {
     **{f"pipe tee of one radius at {a}": Joined(tee(60, a, run=400), "pipe", TWO) for a in (90, 60, 45)},
     **{f"pipe tee of {share} of the radius": Joined(tee(60 * share, 90), "pipe", TWO) for share in (0.95, 0.99, 0.999)},
+    "thin pipe tee of 0.98 of the radius": Joined(tee(58.8, 90, 2, wall=2), "pipe", TWO),
     "pipe tee of one outer radius, thinner branch": Joined(tee(60, 90, 3), "pipe", TWO),
     "pipe tee of one outer radius, thicker branch": Joined(tee(60, 75, 5), "pipe", TWO),
     **{f"pipes in a mitre of {a}": Joined(elbow(a), "pipe", TWO) for a in (90, 30)},
     "tubes cut to a mitre of 90": Joined(mitre(90), "pipe", TWO),
     **{f"pipe cross of one radius at {a}": Joined(cross(a), "pipe", TWO) for a in (90, 60)},
+    "wye of a pipe and two legs": Joined(wye(180, 30, -30), "pipe", TWO + " cylinder_plate"),
     "wye of three pipes": Joined(wye(0, 120, 240), "pipe", TWO + " cylinder_plate"),
     "pipes in a sleeve, apart": Joined(
         union(tube(190, 60, 56), tube(190, 60, 56, (0, 0, 210)), tube(100, 64, 60, (0, 0, 150))),
