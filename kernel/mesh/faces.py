@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from kernel.errors import MeshError
 from kernel.idealise.sheets import Sheet
 from kernel.idealise.topology import BOUNDARY, Curve, Topology
+from kernel.mesh.congruent import Meshes
 from kernel.mesh.nodes import NodeTable
 from kernel.mesh.planar import GROWTH, enclosed_area, mesh_region
 from kernel.mesh.region import OddCurveError, Region, RegionError, RegionMesh
@@ -109,16 +110,17 @@ class FaceTask:
     growth: float | None
     frame: Array
 
-    def mesh(self) -> RegionMesh:
-        """In the sheet's plane. Where the user asked for an odd number of seeds quads alone are not possible: then
-        quads with few triangles. MeshError, with the segment and the place in space.
+    def mesh(self, known: Meshes | None = None) -> RegionMesh:
+        """In the sheet's plane. known: see planar.mesh_region. MeshError, with the segment and the place in space.
+
+        Where the user asked for an odd number of seeds quads alone are not possible: then quads with few triangles.
         """
         rate = GROWTH if self.growth is None else self.growth
         try:
             try:
-                return mesh_region(self.region, self.size, self.kind, rate)
+                return mesh_region(self.region, self.size, self.kind, rate, known)
             except OddCurveError:
-                return mesh_region(self.region, self.size, "mixed", rate)
+                return mesh_region(self.region, self.size, "mixed", rate, known)
         except RegionError as error:
             place = place_text(self.frame @ self.sheet.lift(error.at[None])[0])
             raise MeshError(f"{self.name}: {error.told(place)}") from error
@@ -139,15 +141,17 @@ class FaceTask:
 def mesh_all(tasks: Sequence[FaceTask]) -> Iterator[RegionMesh]:
     """The faces' meshes in their order, in threads where that pays: kernels let go of the interpreter's lock.
 
-    The meshes are the same in any number of threads, and so is the error, that of the first face that has one.
+    Equal faces, and equal cells of faces, are meshed once. The meshes are the same in any number of threads, and so is
+    the error, that of the first face that has one.
     """
     wanted = sum(enclosed_area(task.region) / task.size**2 for task in tasks)
     n_thread = min(len(tasks), os.cpu_count() or 1)
+    known: Meshes = {}
     if n_thread < 2 or wanted < WORTH_THREADS:
-        yield from (task.mesh() for task in tasks)
+        yield from (task.mesh(known) for task in tasks)
         return
     with ThreadPoolExecutor(n_thread) as pool:
-        yield from pool.map(FaceTask.mesh, tasks)
+        yield from pool.map(FaceTask.mesh, tasks, itertools.repeat(known))
 
 
 def mesh_face(

@@ -8,6 +8,7 @@ from __future__ import annotations
 import numpy as np
 
 from kernel.errors import MeshError
+from kernel.mesh.congruent import Meshes, mesh_once
 from kernel.mesh.period import shortest_way
 from kernel.mesh.region import Region, RegionError, RegionMesh
 from kernel.mesh.region_cells import cells_of_region, joined
@@ -21,25 +22,36 @@ MOST_ELEMENTS = 20_000_000
 """A region that would take more elements than this is refused: the size is surely a mistake."""
 
 
-def mesh_region(region: Region, size: float, faces: str = "quad", growth: float = GROWTH) -> RegionMesh:
+def mesh_region(
+    region: Region, size: float, faces: str = "quad", growth: float = GROWTH, known: Meshes | None = None
+) -> RegionMesh:
     """Mesh a planar or periodic region with elements of about `size`.
 
     faces: "quad": all quads (a few triangles only where curves lie so near to each other that quads would be bad),
     which asks for an even number of edges on each curve; "mixed": the same on any number; "tri": all triangles.
     growth: elements are as long as the edges beside them; from shorter edges they grow, from longer ones they shrink to
     `size`, by this much per unit of distance.
+    known: meshes of regions that may come again, see congruent.py.
     The first n_point nodes of the result are the region's points; every edge of the region is an edge of the mesh;
     no element is inverted and no quad under a scaled Jacobian of 0.2. RegionError, with the place, where the region
     cannot be meshed: a boundary that is no ring, points or edges that meet where they should not, an odd curve.
     """
     _check(region, size, faces, growth)
+    known = {} if known is None else known
+    wanted = (float(size), faces, float(growth))
     cells = cells_of_region(region)
     if cells is None:
-        return _mesh_cell(region, size, faces, float(growth))
-    return joined(region, cells, [_mesh_cell(cell.region, size, faces, float(growth)) for cell in cells])
+        return _mesh_cell(region, wanted, known)
+    return joined(region, cells, [_mesh_cell(cell.region, wanted, known) for cell in cells])
 
 
-def _mesh_cell(region: Region, size: float, faces: str, growth: float) -> RegionMesh:
+def _mesh_cell(region: Region, wanted: tuple[float, str, float], known: Meshes) -> RegionMesh:
+    if region.period is not None:
+        return _mesh_here(region, *wanted)
+    return mesh_once(region, wanted, lambda standard: _mesh_here(standard, *wanted), known)
+
+
+def _mesh_here(region: Region, size: float, faces: str, growth: float) -> RegionMesh:
     if faces != "tri":
         from kernel.mesh.structured import structured_mesh
 

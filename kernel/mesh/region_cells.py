@@ -131,12 +131,15 @@ def _following(region: Region, halves: _Halves) -> Indices:
     step = _steps(region, halves.start, halves.end)
     heading = np.arctan2(step[:, 1], step[:, 0])
     back = np.arctan2(-step[:, 1], -step[:, 0])
-    for half in np.flatnonzero(count[halves.end] > 1).tolist():
-        point = halves.end[half]
-        choices = leaving[first[point] : first[point + 1]]
-        turn = np.mod(back[half] - heading[choices], 2 * np.pi)
-        turn[turn <= 0.0] = 2 * np.pi  # the way back itself comes last
-        following[half] = choices[int(np.argmin(turn))]
+    branching = np.flatnonzero(count[halves.end] > 1)
+    n_choice = count[halves.end[branching]]
+    begin = np.cumsum(n_choice) - n_choice
+    half = np.repeat(branching, n_choice)
+    choices = leaving[np.arange(len(half)) - np.repeat(begin - first[halves.end[branching]], n_choice)]
+    turn = np.mod(back[half] - heading[choices], 2 * np.pi)
+    turn[turn <= 0.0] = 2 * np.pi  # the way back itself comes last
+    best = np.lexsort((turn, half))[begin]
+    following[branching] = choices[best]
     return following
 
 

@@ -69,7 +69,11 @@ def _wall_on_wall(meshed: Meshed, joints: list[Joint], first: Wall, second: Wall
     that is tangent to a tube amid both walls shares a line with it, and what else lies in the contact follows, too.
     """
     tangent = [joint for joint in joints if is_tangent(meshed.parts, joint)]
-    is_shared = any(second.index in seeded.curve.uses for seeded in meshed.curves.get(first.index, []))
+    own, others = (meshed.curves.get(wall.index, []) for wall in (first, second))
+    if len(own) <= len(others):  # a floor has thousands of curves, what stands on it few
+        is_shared = any(second.index in seeded.curve.uses for seeded in own)
+    else:
+        is_shared = any(first.index in seeded.curve.uses for seeded in others)
     if is_shared and not tangent:
         return []
     if any(first in arm.walls and second in arm.walls for arm in meshed.parts.arms):
