@@ -213,6 +213,8 @@ class CarrierTable:
         self._lines, self._circles = _Keys(8 * tolerance), _Keys(2 * tolerance)
         self._traced: dict[tuple[int, ...], list[int]] = {}
         self._tubes: dict[tuple[int, int, float, float], int] = {}
+        self.of_planes: dict[tuple[int, int], int] = {}
+        """Index of the line in which two planes meet, by their ids in the surface table, the smaller first."""
 
     def __getitem__(self, index: int) -> Carrier:
         return self.carriers[index]

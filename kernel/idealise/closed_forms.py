@@ -57,6 +57,9 @@ SAME = 1e-9
 PIPES = "pipes of one radius"
 """Cause of what their mid-surfaces count twice."""
 
+SQUARE = 1e-14
+"""A line whose cosine with a plane's normal is 1 to within this stands square to the plane."""
+
 _LINES = ((0, 1), (0, 2), (1, 2))
 
 
@@ -214,6 +217,8 @@ def _slanted_ends(normals: Array, lines: Array, quadrants: NDArray[np.bool_], th
         pair = [k for k in range(3) if k != axis]
         for side in (0, 1):
             along = (2 * side - 1) * lines[axis]
+            if abs(float(normals[axis] @ along)) > 1.0 - SQUARE:
+                continue  # the moment lies in the third plane
             rays, thick = [], []
             for wall in pair:
                 (other,) = (k for k in pair if k != wall)

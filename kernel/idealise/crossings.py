@@ -106,17 +106,33 @@ def _joint_carriers(topology: Topology, pair: tuple[Wall, Wall], joint: Joint) -
     if a.sheet.surface_id == b.sheet.surface_id:
         return []
     seeds = patch_points(surfaces[joint.surface], joint.patch)
+    if isinstance(a.sheet, PlaneSheet) and isinstance(b.sheet, PlaneSheet):
+        away = _distances_from_line(a.sheet, b.sheet, seeds)
+        near = np.flatnonzero(away <= 3 * (a.thickness + b.thickness))
+        first = seeds[near[:1]]
+        ids = (a.sheet.surface_id, b.sheet.surface_id)
+        return [intersection(topology.carriers, surfaces, *ids, first)] if len(near) else []
     points = project(seeds, met)
-    near = np.linalg.norm(points - seeds, axis=1) <= 3 * (a.thickness + b.thickness)
+    is_near = np.linalg.norm(points - seeds, axis=1) <= 3 * (a.thickness + b.thickness)
     on_both = np.max([np.abs(signed_distance(surface, points)) for surface in met], axis=0) <= topology.tolerance
     sine = np.linalg.norm(np.cross(a.sheet.normals(points), b.sheet.normals(points)), axis=1)
-    points = points[near & on_both & (sine > CROSSING_SINE)]
+    points = points[is_near & on_both & (sine > CROSSING_SINE)]
     numbers: list[int] = []
     while len(points):
         number = intersection(topology.carriers, surfaces, a.sheet.surface_id, b.sheet.surface_id, points[:1])
         numbers.append(number)
         points = points[1:][distance_to(topology.carrier(number), points[1:]) > 4 * topology.tolerance]
     return numbers
+
+
+def _distances_from_line(one: PlaneSheet, other: PlaneSheet, points: Array) -> Array:
+    """Distance (n,) of points (n, 3) from the line in which two planes meet; infinite where they hardly cross."""
+    cosine = float(one.normal @ other.normal)
+    square = 1.0 - cosine * cosine
+    if square <= CROSSING_SINE**2:
+        return np.full(len(points), np.inf)
+    a, b = points @ one.normal - one.offset, points @ other.normal - other.offset
+    return np.asarray(np.sqrt(np.maximum(a * a + b * b - 2 * cosine * a * b, 0.0) / square))
 
 
 def offset_surface(surface: Surface, distance: float) -> Surface:
@@ -153,6 +169,8 @@ def slab_edges(
 
 def samples(topology: Topology, carrier: Carrier, start: float, end: float) -> Array:
     """Points (n, 3) along a carrier from start to end, dense enough to show its curve."""
+    if isinstance(carrier, Line):
+        return carrier.at(np.array([start, end]))
     return carrier.at(np.concatenate([[start], carrier.breaks(start, end), [end]]))
 
 
@@ -220,7 +238,10 @@ def _along(topology: Topology, crossing: Crossing, wall: Wall, edges: Sequence[A
     intervals: list[Interval] = []
     for edge in edges:
         line = windowed(wall.sheet, shapely.LineString(unwrapped(wall.sheet, edge)))
-        for piece in shapely.get_parts(shapely.line_merge(line.intersection(wall.own))):
+        common = line.intersection(wall.own)
+        if common.is_empty:
+            continue
+        for piece in (common,) if common.geom_type == "LineString" else shapely.get_parts(shapely.line_merge(common)):
             if piece.geom_type != "LineString" or piece.length <= topology.tolerance:
                 continue
             values = topology.carrier(crossing.carrier).parameters(wall.sheet.lift(np.asarray(piece.coords)))

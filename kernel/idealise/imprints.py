@@ -7,7 +7,8 @@ the outline of whatever it comes from; then only the pieces that lie in both reg
 from __future__ import annotations
 
 import itertools
-from collections.abc import Sequence
+import math
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,13 +16,14 @@ import shapely
 from numpy.typing import NDArray
 
 from kernel.connect.joints import Joint
+from kernel.idealise.carriers import Carrier, Line
 from kernel.idealise.crossings import Crossing, merged
-from kernel.idealise.outlines import Stretch, meeting_point, polyline, unwrapped, windowed
+from kernel.idealise.outlines import LINES_CROSS, Stretch, meeting_point, polyline, unwrapped, windowed
 from kernel.idealise.sheets import Sheet
 from kernel.idealise.topology import BOUNDARY, IMPRINT, Span, Topology
 from kernel.idealise.trims import trimmed
 from kernel.idealise.walls import Wall
-from kernel.solid.surfaces import signed_distance
+from kernel.solid.surfaces import cross, signed_distance
 
 Array = NDArray[np.float64]
 
@@ -110,86 +112,149 @@ def imprint(topology: Topology, candidates: Sequence[Candidate]) -> None:
     by_wall: dict[int, list[Candidate]] = {}
     for candidate in candidates:
         by_wall.setdefault(candidate.wall.index, []).append(candidate)
+    grown = _Grown(topology)
     for index in sorted(by_wall):
-        _imprint_face(topology, by_wall[index])
+        _imprint_face(topology, by_wall[index], grown)
 
 
-def _imprint_face(topology: Topology, candidates: list[Candidate]) -> None:
+class _Grown:
+    """Walls' regions, slightly grown; each is asked for in its own face and in those of all that it meets."""
+
+    def __init__(self, topology: Topology) -> None:
+        self._topology = topology
+        self._known: dict[int, shapely.Geometry] = {}
+
+    def holds(self, wall: Wall, points: Array) -> NDArray[np.bool_]:
+        """Which of the points (n, 3) lie in the wall's region."""
+        if wall.index not in self._known:
+            region = wall.region.buffer(INSIDE * self._topology.tolerance, quad_segs=2)
+            shapely.prepare(region)
+            self._known[wall.index] = region
+        flat = wall.sheet.flat(points)
+        return np.asarray(shapely.contains_xy(self._known[wall.index], flat[:, 0], flat[:, 1]))
+
+
+def _imprint_face(topology: Topology, candidates: list[Candidate], grown: _Grown) -> None:
     wall = candidates[0].wall
-    own = [_Drawn(topology, wall.sheet, stretch) for stretch in wall.outline]
-    drawn = [_Drawn(topology, wall.sheet, candidate.stretch) for candidate in candidates]
+    drawn = [candidate.stretch for candidate in candidates]
+    stretches = [*drawn, *wall.outline]
     cuts: list[list[tuple[float, Array]]] = [[] for _ in drawn]
-    lines = [*drawn, *own]
-    meetings = _meetings([one.stretch.carrier for one in lines], [one.line for one in lines], len(drawn))
-    for number, here in enumerate(drawn):
-        for other, met in meetings.get(number, ()):
-            there = lines[other]
-            for point in _crossings(topology, wall.sheet, here, there, met):
-                if _is_common_end(topology, here.stretch, there.stretch, point):
-                    continue
-                _cut(topology, here.stretch, point, cuts[number])
-                _cut(topology, there.stretch, point, cuts[other] if other < len(drawn) else None)
-        partner = candidates[number].partner
+    meeting = _MeetingPoints(topology, wall.sheet)
+    ends: dict[int, list[_Place]] = {}
+    for number, other, near in _meetings(topology, wall.sheet, stretches, len(drawn)):
+        here, there = stretches[number], stretches[other]
+        met = meeting.of(here.carrier, there.carrier, near)
+        if not _is_common_end(topology, here, there, met.point):
+            _cut(topology, here, met.point, met.values[0], cuts[number])
+            _cut(topology, there, met.point, met.values[1], cuts[other] if other < len(drawn) else None)
+    for number, candidate in enumerate(candidates):
+        partner, here = candidate.partner, candidate.stretch
         if partner is not None:
-            for stretch in partner.outline:
-                if stretch.carrier == here.stretch.carrier and not stretch.whole:
-                    for point in (stretch.first, stretch.last):
-                        _cut(topology, here.stretch, point, cuts[number])
-    regions = {id(c.partner): _slightly_grown(topology, c.partner) for c in candidates if c.partner is not None}
-    inside = _slightly_grown(topology, wall)
-    for candidate, at in zip(candidates, cuts):
-        for part in _pieces(topology, candidate.stretch, at):
-            carrier = topology.carrier(part.carrier)
-            middle = carrier.at(np.array([0.5 * (part.start + part.end)]))
-            if not _holds(wall.sheet, inside, middle):
-                continue
-            if candidate.partner is not None:
-                if not _holds(candidate.partner.sheet, regions[id(candidate.partner)], middle):
-                    continue
+            if partner.index not in ends:
+                ends[partner.index] = _ends_of(topology, partner)
+            for carrier, value, point in ends[partner.index]:
+                if carrier == here.carrier:
+                    _cut(topology, here, point, value, cuts[number])
+    parts = [(candidate, part) for candidate, at in zip(candidates, cuts) for part in _pieces(topology, candidate, at)]
+    if not parts:
+        return
+    middles = np.array([_middle(topology, part) for _, part in parts])
+    is_held = grown.holds(wall, middles)
+    by_partner: dict[int, list[int]] = {}
+    for place, (candidate, _) in enumerate(parts):
+        if candidate.partner is not None and is_held[place]:
+            by_partner.setdefault(candidate.partner.index, []).append(place)
+    for places in by_partner.values():
+        other_wall = parts[places[0]][0].partner
+        assert other_wall is not None
+        is_held[places] = grown.holds(other_wall, middles[places])
+    for (_, part), is_kept in zip(parts, is_held.tolist()):
+        if is_kept:
             _lay(topology, wall.index, part, IMPRINT)
 
 
-class _Drawn:
-    """A stretch as a line in a sheet's frame, a hair longer than it is."""
-
-    def __init__(self, topology: Topology, sheet: Sheet, stretch: Stretch) -> None:
-        self.stretch = stretch
-        flat = unwrapped(sheet, polyline(topology, stretch))
-        hair = 3 * topology.tolerance
-        for end, inner in ((0, 1), (-1, -2)):
-            along = flat[end] - flat[inner]
-            flat[end] += along * (hair / max(float(np.linalg.norm(along)), hair))
-        self.line = windowed(sheet, shapely.LineString(flat))
+_Place = tuple[int, float, Array]
+"""Carrier, the parameter there, and the point (3,)."""
 
 
-def _meetings(
-    carriers: Sequence[int], lines: Sequence[shapely.Geometry], n_drawn: int
-) -> dict[int, list[tuple[int, shapely.Geometry]]]:
-    """By number of each of the first n_drawn lines: the later ones of other carriers that it meets, and where."""
-    first, second = (
-        np.array(sorted(shapely.STRtree(lines).query(lines[:n_drawn]).T.tolist()), np.int64).reshape(-1, 2).T
-    )
-    carrier = np.array(carriers)
-    wanted = (second > first) & (carrier[first] != carrier[second])
-    first, second = first[wanted], second[wanted]
-    held = np.array(lines, dtype=object)
-    common = shapely.intersection(held[first], held[second])
-    found: dict[int, list[tuple[int, shapely.Geometry]]] = {}
-    for one, other, met in zip(first.tolist(), second.tolist(), common):
-        if not met.is_empty:
-            found.setdefault(one, []).append((other, met))
+def _ends_of(topology: Topology, wall: Wall) -> list[_Place]:
+    """Where the stretches of a wall's outline begin and end."""
+    found: list[_Place] = []
+    for stretch in wall.outline:
+        if not stretch.whole:
+            points = np.array([stretch.first, stretch.last])
+            values = topology.carrier(stretch.carrier).parameters(points).tolist()
+            found += [(stretch.carrier, value, point) for value, point in zip(values, points)]
     return found
 
 
-def _crossings(topology: Topology, sheet: Sheet, one: _Drawn, other: _Drawn, met: shapely.Geometry) -> list[Array]:
-    """Exact common points of two stretches on different carriers. met: what their lines have in common."""
-    points = []
-    for part in shapely.get_parts(met):
-        if part.geom_type == "Point":
-            near = sheet.lift(np.array([[part.x, part.y]]))[0]
-            carriers = [topology.carrier(drawn.stretch.carrier) for drawn in (one, other)]
-            points.append(meeting_point(sheet, carriers[0], carriers[1], near))
-    return points
+def _middle(topology: Topology, stretch: Stretch) -> Array:
+    middle: Array = topology.carrier(stretch.carrier).at(np.array([0.5 * (stretch.start + stretch.end)]))[0]
+    return middle
+
+
+def _line_of(topology: Topology, sheet: Sheet, stretch: Stretch) -> shapely.Geometry:
+    """A stretch as a line in a sheet's frame, a hair longer than it is."""
+    flat = unwrapped(sheet, polyline(topology, stretch))
+    hair = 3 * topology.tolerance
+    for end, inner in ((0, 1), (-1, -2)):
+        along = flat[end] - flat[inner]
+        flat[end] += along * (hair / max(math.hypot(*along.tolist()), hair))
+    return windowed(sheet, shapely.LineString(flat))
+
+
+def _meetings(
+    topology: Topology, sheet: Sheet, stretches: Sequence[Stretch], n_drawn: int
+) -> Iterator[tuple[int, int, Array]]:
+    """Where each of the first n_drawn stretches meets a later one of another carrier: both, and a point (3,) near."""
+    held = np.array([_line_of(topology, sheet, stretch) for stretch in stretches], dtype=object)
+    asked, found = shapely.STRtree(held).query(held[:n_drawn])
+    carrier = np.array([stretch.carrier for stretch in stretches])
+    wanted = (found > asked) & (carrier[asked] != carrier[found])
+    asked, found = asked[wanted], found[wanted]
+    order = np.lexsort((found, asked))
+    asked, found = asked[order], found[order]
+    common, pair = shapely.get_parts(shapely.intersection(held[asked], held[found]), return_index=True)
+    is_point = (shapely.get_type_id(common) == shapely.GeometryType.POINT) & ~shapely.is_empty(common)
+    common, pair = common[is_point], pair[is_point]
+    near = sheet.lift(shapely.get_coordinates(common))
+    yield from zip(asked[pair].tolist(), found[pair].tolist(), near)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Meeting:
+    """A common point (3,) of two carriers, and its parameter on each."""
+
+    point: Array
+    values: tuple[float, float]
+
+
+class _MeetingPoints:
+    """Exact common points of the carriers of one sheet; two lines have one, however many stretches lie on them."""
+
+    def __init__(self, topology: Topology, sheet: Sheet) -> None:
+        self._topology, self._sheet = topology, sheet
+        self._known: dict[tuple[int, int], _Meeting] = {}
+
+    def of(self, one: int, other: int, near: Array) -> _Meeting:
+        """That of two carriers next to `near` (3,)."""
+        known = self._known.get((one, other))
+        if known is not None:
+            return known
+        carriers = self._topology.carrier(one), self._topology.carrier(other)
+        point = meeting_point(self._sheet, carriers[0], carriers[1], near)
+        values = [float(carrier.parameters(point[None])[0]) for carrier in carriers]
+        met = _Meeting(point, (values[0], values[1]))
+        if _cross_once(*carriers):
+            self._known[one, other] = met
+        return met
+
+
+def _cross_once(one: Carrier, other: Carrier) -> bool:
+    """Whether two carriers have one common point, wherever it is looked for."""
+    if not isinstance(one, Line) or not isinstance(other, Line):
+        return False
+    return bool(np.linalg.norm(cross(one.direction, other.direction)) > LINES_CROSS)
 
 
 def _is_common_end(topology: Topology, one: Stretch, other: Stretch, point: Array) -> bool:
@@ -197,17 +262,21 @@ def _is_common_end(topology: Topology, one: Stretch, other: Stretch, point: Arra
     if one.whole or other.whole:
         return False
     reach = COMMON_END * topology.tolerance
-    ends = [end for end in (one.first, one.last) if np.linalg.norm(point - end) <= reach]
-    return any(np.linalg.norm(end - own) <= reach for end in ends for own in (other.first, other.last))
+    at = point.tolist()
+    ends = [end for end in (one.first.tolist(), one.last.tolist()) if math.dist(at, end) <= reach]
+    return bool(ends) and any(
+        math.dist(end, own) <= reach for end in ends for own in (other.first.tolist(), other.last.tolist())
+    )
 
 
-def _cut(topology: Topology, stretch: Stretch, point: Array, cuts: list[tuple[float, Array]] | None) -> None:
-    """A vertex on the stretch's carrier at `point`, held within the stretch."""
-    carrier = topology.carrier(stretch.carrier)
-    value = float(carrier.parameters(point[None])[0])
+def _cut(
+    topology: Topology, stretch: Stretch, point: Array, value: float, cuts: list[tuple[float, Array]] | None
+) -> None:
+    """A vertex on the stretch's carrier at `point`, whose parameter is `value`, if it is within the stretch."""
+    period = topology.carrier(stretch.carrier).period
     slack = 8 * topology.tolerance
-    if carrier.period is not None:
-        value = stretch.start + (value - stretch.start + slack) % carrier.period - slack
+    if period is not None:
+        value = stretch.start + (value - stretch.start + slack) % period - slack
     if not stretch.whole and not stretch.start - slack <= value <= stretch.end + slack:
         return
     topology.cut(stretch.carrier, value, point)
@@ -215,8 +284,9 @@ def _cut(topology: Topology, stretch: Stretch, point: Array, cuts: list[tuple[fl
         cuts.append((value, point))
 
 
-def _pieces(topology: Topology, stretch: Stretch, cuts: list[tuple[float, Array]]) -> list[Stretch]:
-    """The stretch between neighbouring cuts."""
+def _pieces(topology: Topology, candidate: Candidate, cuts: list[tuple[float, Array]]) -> list[Stretch]:
+    """The candidate's stretch between neighbouring cuts."""
+    stretch = candidate.stretch
     carrier = topology.carrier(stretch.carrier)
     inner = sorted(cuts, key=lambda cut: cut[0])
     if stretch.whole:
@@ -234,12 +304,3 @@ def _pieces(topology: Topology, stretch: Stretch, cuts: list[tuple[float, Array]
         for (a, first), (b, last) in itertools.pairwise(stations)
         if b - a > 4 * topology.tolerance
     ]
-
-
-def _slightly_grown(topology: Topology, wall: Wall) -> shapely.Geometry:
-    return wall.region.buffer(INSIDE * topology.tolerance, quad_segs=2)
-
-
-def _holds(sheet: Sheet, region: shapely.Geometry, point: Array) -> bool:
-    flat = sheet.flat(point)[0]
-    return bool(shapely.contains_xy(region, flat[0], flat[1]))

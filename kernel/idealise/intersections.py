@@ -74,9 +74,7 @@ def common_axis(a: Surface, b: Surface, tolerance: float) -> tuple[Array, Array]
 
 
 def _straight_direction(a: Surface, b: Surface) -> Array | None:
-    """Direction of the straight lines in which two surfaces meet, or None where they meet otherwise."""
-    if isinstance(a, Plane) and isinstance(b, Plane):
-        return cross(a.normal, b.normal)
+    """Direction of the straight lines in which two surfaces meet that are not both planes, None where they do not."""
     if isinstance(b, Plane):
         a, b = b, a
     if isinstance(b, CylinderSurface):
@@ -159,6 +157,12 @@ def intersection(
     it is then a line (an edge of a facet in a plane).
     """
     a, b = surfaces[first], surfaces[second]
+    if isinstance(a, Plane) and isinstance(b, Plane):
+        pair = (min(first, second), max(first, second))
+        if pair not in table.of_planes:
+            middle = project(guide[len(guide) // 2 : len(guide) // 2 + 1], (a, b))[0]
+            table.of_planes[pair] = table.line(middle, cross(a.normal, b.normal))
+        return table.of_planes[pair]
     if isinstance(a, FacetedSurface) or isinstance(b, FacetedSurface):
         if straight:
             return table.line(guide[0], guide[-1] - guide[0])

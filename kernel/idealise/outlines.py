@@ -6,6 +6,7 @@ carrier; where two stretches meet, their common point is found on the sheet and 
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import TypeAlias
 
@@ -58,6 +59,9 @@ def stretch_between(topology: Topology, number: int, first: Array, last: Array, 
     On a closed carrier there must be a point in every third of a turn.
     """
     carrier = topology.carrier(number)
+    if isinstance(carrier, Line):
+        a, b = carrier.parameters(np.array([first, last])).tolist()
+        return Stretch(number, min(a, b), max(a, b), a < b, first, last)
     values = carrier.parameters(np.vstack([first, through, last]))
     a, b = float(values[0]), float(values[-1])
     period = carrier.period
@@ -104,7 +108,7 @@ def trace_ring(
     for position, begin in enumerate(starts):
         first, last = corners[position], corners[(position + 1) % len(corners)]
         guide = guides[position]
-        if np.linalg.norm(last - first) <= topology.tolerance and len(guide) == 2:
+        if len(guide) == 2 and math.dist(first, last) <= topology.tolerance:
             continue
         straight = isinstance(sheet, PlaneSheet)
         own = project(guide, (sheet.surface,)) if isinstance(surfaces[labels[begin]], FacetedSurface) else guide
@@ -116,14 +120,13 @@ def trace_ring(
 def _reach(points: Array, index: int) -> float:
     """Length of the longer of the two edges at a point of the ring."""
     here = points[index]
-    following = points[(index + 1) % len(points)]
-    return float(max(np.linalg.norm(points[index - 1] - here), np.linalg.norm(following - here)))
+    return max(math.dist(points[index - 1], here), math.dist(points[(index + 1) % len(points)], here))
 
 
 def _corner(sheet: Sheet, met: tuple[Surface, Surface], point: Array, reach: float) -> Array:
     """Where the sheet and two trimming surfaces meet, near `point`; the point itself where they do not cross there."""
     found = project(point[None], (sheet.surface, *met))[0]
-    if np.linalg.norm(found - point) > 2 * reach:
+    if math.dist(found, point) > 2 * reach:
         return project(point[None], (sheet.surface,))[0]
     return found
 
@@ -143,6 +146,8 @@ def _whole_ring(topology: Topology, surfaces: list[Surface], sheet: Sheet, point
 def polyline(topology: Topology, stretch: Stretch) -> Array:
     """Points (n, 3) along the stretch, in its direction, dense enough to show its curve."""
     carrier = topology.carrier(stretch.carrier)
+    if isinstance(carrier, Line):
+        return np.array([stretch.first, stretch.last])
     values = np.concatenate([[stretch.start], carrier.breaks(stretch.start, stretch.end), [stretch.end]])
     points = carrier.at(values)
     if not stretch.forward:

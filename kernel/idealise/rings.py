@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from kernel.idealise.sheets import PlaneSheet, Sheet
 from kernel.solid.section import boundary_chains
-from kernel.solid.solid import half_space_cut, intersect, tube
+from kernel.solid.solid import cut_by, intersect, tube
 
 if TYPE_CHECKING:
     from kernel.segment.segments import CylinderShape
@@ -40,7 +40,7 @@ def boundary_rings(facets: Facets, mask: NDArray[np.bool_]) -> list[Ring]:
 
 def plane_rings(solid: Solid, sheet: PlaneSheet) -> list[Ring]:
     """Where the solid meets a plane: the region on the left, seen against the sheet's normal."""
-    half = half_space_cut(solid, sheet.normal, sheet.offset)
+    half = cut_by(solid, sheet.normal, sheet.offset, sheet.surface_id)
     if half.is_empty:
         return []
     facets = half.facets

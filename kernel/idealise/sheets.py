@@ -29,7 +29,9 @@ class PlaneSheet:
 
     def flat(self, points: Array) -> Array:
         """Points (n, 3) in the sheet's coordinates (n, 2)."""
-        return np.stack([points @ self.u, points @ self.v], axis=1)
+        flat = np.empty((len(points), 2))
+        flat[:, 0], flat[:, 1] = points @ self.u, points @ self.v
+        return flat
 
     def lift(self, flat: Array) -> Array:
         """Points (n, 2) of the sheet in space, (n, 3)."""

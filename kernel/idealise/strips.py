@@ -9,6 +9,7 @@ from shapely import Polygon
 from kernel.idealise.carriers import Carrier, Line
 from kernel.idealise.crossings import CURVED_OVERLAP, Crossing, samples, slab_edges, whole_range
 from kernel.idealise.outlines import PolygonLike, unwrapped, windowed
+from kernel.idealise.sheets import PlaneSheet
 from kernel.idealise.topology import Topology
 from kernel.idealise.tube_curve import TubeCurve, slab_stations, tube_curve
 from kernel.idealise.walls import Wall
@@ -34,7 +35,10 @@ def _strip_beside(
         curve = carrier.at(slab_stations(carrier, wall.sheet.surface, half, start, end))
     else:
         curve = samples(topology, carrier, start, end)
-    sides = [unwrapped(wall.sheet, side) for side in slab_edges(wall, other, curve, margin + gap, carrier)]
+    edges = slab_edges(wall, other, curve, margin + gap, carrier)
+    if isinstance(wall.sheet, PlaneSheet) and isinstance(other.sheet, PlaneSheet):
+        return Polygon(wall.sheet.flat(np.concatenate([edges[0], edges[1][::-1]])))
+    sides = [unwrapped(wall.sheet, side) for side in edges]
     if wall.sheet.turn is not None:
         sides[1] = sides[1] + (wall.sheet.turn * np.round((sides[0][0, 0] - sides[1][0, 0]) / wall.sheet.turn), 0.0)
     polygon = Polygon(np.vstack([sides[0], sides[1][::-1]]))

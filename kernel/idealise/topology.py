@@ -13,6 +13,7 @@ boundary counts.
 from __future__ import annotations
 
 import itertools
+from bisect import bisect_left, bisect_right
 from dataclasses import dataclass
 
 import numpy as np
@@ -128,8 +129,8 @@ class Topology:
                 cuts.append((opposite, carrier.at(np.array([opposite]))[0]))
             cuts.append((cuts[0][0] + period, cuts[0][1]))
         found = []
-        for (start, first), (end, second) in itertools.pairwise(cuts):
-            uses = self._uses(spans, start, end, period)
+        covered = _covered(spans, [value for value, _ in cuts], period)
+        for ((start, first), (end, second)), uses in zip(itertools.pairwise(cuts), covered, strict=True):
             if uses:
                 ends = (self.vertices.add(first), self.vertices.add(second))
                 if ends[0] != ends[1]:
@@ -147,14 +148,29 @@ class Topology:
             cuts.pop()
         return cuts
 
-    @staticmethod
-    def _uses(spans: list[Span], start: float, end: float, period: float | None) -> dict[int, Use]:
-        middle = 0.5 * (start + end)
-        shifts = (0.0, period, -period) if period else (0.0,)
-        uses: dict[int, Use] = {}
-        for span in spans:
-            covers = span.whole or any(span.start <= middle + shift <= span.end for shift in shifts)
-            known = uses.get(span.face)
-            if covers and (known is None or (known.role == IMPRINT and span.role == BOUNDARY)):
-                uses[span.face] = Use(span.role, span.forward)
-        return uses
+
+def _covered(spans: list[Span], cuts: list[float], period: float | None) -> list[dict[int, Use]]:
+    """By piece between neighbouring cuts, in ascending order: the faces whose spans cover its middle, and how.
+
+    Each span is asked for its pieces, not each piece for its spans: a long line has thousands of both.
+    """
+    middles = [0.5 * (start + end) for start, end in itertools.pairwise(cuts)]
+    shifts = (0.0, period, -period) if period else (0.0,)
+    uses: list[dict[int, Use]] = [{} for _ in middles]
+    for span in spans:
+        use = Use(span.role, span.forward)
+        ranges = [(0, len(middles))] if span.whole else [_between(middles, span, shift) for shift in shifts]
+        for place in itertools.chain.from_iterable(range(*ends) for ends in ranges):
+            known = uses[place].get(span.face)
+            if known is None or (known.role == IMPRINT and span.role == BOUNDARY):
+                uses[place][span.face] = use
+    return uses
+
+
+def _between(middles: list[float], span: Span, shift: float) -> tuple[int, int]:
+    """First and last place, exclusive, of the ascending middles that the span covers when they are moved by `shift`."""
+
+    def moved(middle: float) -> float:
+        return middle + shift
+
+    return bisect_left(middles, span.start, key=moved), bisect_right(middles, span.end, key=moved)

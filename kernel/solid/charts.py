@@ -36,7 +36,9 @@ def flatten(surface: Surface, points: Array) -> Array:
     """(n, 2) chart coordinates of points (n, 3) on the surface. ValueError: a FacetedSurface has no chart."""
     match surface:
         case Plane():
-            return np.stack([points @ surface.u, points @ surface.v], axis=1)
+            flat = np.empty((len(points), 2))
+            flat[:, 0], flat[:, 1] = points @ surface.u, points @ surface.v
+            return flat
         case SphereSurface():
             arm = (points - surface.centre) / surface.radius
             scale = np.sqrt(2.0 / np.maximum(1.0 + arm @ POLE.normal, 1e-12)) * surface.radius
