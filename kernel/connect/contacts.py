@@ -19,13 +19,13 @@ from kernel.connect.joints import Joint
 from kernel.connect.sides import FaceSide, patch_of, sides_of
 from kernel.connect.tangents import SQUARE
 from kernel.idealise.implicit import project
-from kernel.idealise.sheets import plane_sheet
+from kernel.idealise.sheets import PlaneSheet, plane_sheet
 from kernel.idealise.walls import CROSSING_SINE
 from kernel.segment.faces import faces_of
 from kernel.segment.segments import BeamShape, BrickShape, CylinderShape, PlateShape, Segment
 from kernel.segment.slices import parts_of, slice_polygon
 from kernel.solid.charts import lift
-from kernel.solid.surfaces import CylinderSurface, Plane, Surface, outward
+from kernel.solid.surfaces import CylinderSurface, Plane, Surface, cross, outward
 
 if TYPE_CHECKING:
     from kernel.solid.evaluate import Evaluated
@@ -145,10 +145,17 @@ def _centre(surface: Surface, patch: Polygon | MultiPolygon) -> Array:
 
 
 class _Middles:
-    """The mid-sections of plates, made once: a floor has thousands of joints."""
+    """The mid-planes of plates and their mid-sections, made once: a floor has thousands of joints."""
 
     def __init__(self) -> None:
         self._known: dict[str, Polygon | MultiPolygon] = {}
+        self._sheets: dict[str, PlaneSheet] = {}
+
+    def sheet(self, segment: Segment, plate: PlateShape) -> PlaneSheet:
+        """The mid-plane of a plate."""
+        if segment.id not in self._sheets:
+            self._sheets[segment.id] = plane_sheet(plate, segment.solid.surfaces)
+        return self._sheets[segment.id]
 
     def of(self, segment: Segment, plate: PlateShape) -> Polygon | MultiPolygon:
         """The section of a plate in its mid-plane, in coordinates (x.u, x.v)."""
@@ -202,7 +209,7 @@ def _wall_kind(pair: tuple[Segment, Segment], surfaces: tuple[int, int], centre:
     assert isinstance(a, PlateShape)
     assert isinstance(b, PlateShape)
     table = pair[0].solid.surfaces
-    if np.linalg.norm(np.cross(a.normal, b.normal)) < 1e-5:
+    if np.linalg.norm(cross(a.normal, b.normal)) < 1e-5:
         if surfaces[0] in a.surface_ids and surfaces[1] in b.surface_ids:
             return "lap"
         apart = a.mid_offset - b.mid_offset * float(np.sign(a.normal @ b.normal))
@@ -216,9 +223,7 @@ def _sides(segment: Segment, other: Segment, centre: Array, middles: _Middles) -
     own, across = segment.shape, other.shape
     assert isinstance(own, PlateShape)
     assert isinstance(across, PlateShape)
-    table = segment.solid.surfaces
-    here = plane_sheet(own, table)
-    there = plane_sheet(across, table)
+    here, there = middles.sheet(segment, own), middles.sheet(other, across)
     middle = project(centre[None], (here.surface, there.surface))[0]
     away = across.normal - own.normal * (across.normal @ own.normal)
     sine = float(np.linalg.norm(away))

@@ -14,7 +14,7 @@ from kernel.errors import ConnectError
 from kernel.idealise.carriers import Carrier, Line, Traced, distance_to
 from kernel.idealise.implicit import project
 from kernel.idealise.intersections import intersection
-from kernel.idealise.outlines import PolygonLike, unwrapped, windowed
+from kernel.idealise.outlines import unwrapped, windowed
 from kernel.idealise.sheets import CylinderSheet, PlaneSheet
 from kernel.idealise.thirds import Thirds, lengthened
 from kernel.idealise.topology import Topology
@@ -40,8 +40,7 @@ class Crossing:
     """The curve `carrier` in which the mid-surfaces of two walls meet, and where each wall's material reaches it.
 
     gap: by wall, how far its mid-surface may end before the other's face: a wall that stands askew and is cut square
-    touches with one corner only. joints: those of the two walls that lie along the curve. slabs: by wall, the other's
-    slab in its sheet all along the curve, once asked for.
+    touches with one corner only. joints: those of the two walls that lie along the curve.
     """
 
     walls: tuple[Wall, Wall]
@@ -49,7 +48,6 @@ class Crossing:
     reach: dict[int, list[Interval]]
     gap: dict[int, float] = field(default_factory=dict)
     joints: list[Joint] = field(default_factory=list)
-    slabs: dict[int, PolygonLike] = field(default_factory=dict)
 
     def other(self, wall: Wall) -> Wall:
         """The wall on the far side."""

@@ -88,7 +88,10 @@ def _region(
 ) -> PolygonLike:
     size = topology.carriers.reach
     grid = GRID * size
-    strips, gaps, lumps, slabs, cuts, cutting = [], [], [], [], [], []
+    strips, gaps, lumps, cuts, cutting = [], [], [], [], []
+    on_carrier: dict[int, list[Crossing]] = {}
+    for crossing in crossings:
+        on_carrier.setdefault(crossing.carrier, []).append(crossing)
     for crossing in crossings:
         carrier = topology.carrier(crossing.carrier)
         other = crossing.other(wall)
@@ -96,8 +99,7 @@ def _region(
         gap = crossing.gap.get(wall.index, 0.0)
         if gap:
             gaps += [strip(topology, wall, crossing, *ends, gap) for ends in crossing.reach[wall.index]]
-        slabs.append(slab(topology, wall, crossing))
-        trims = trimmed(topology, crossing, wall, [one for one in crossings if one.carrier == crossing.carrier])
+        trims = trimmed(topology, crossing, wall, on_carrier[crossing.carrier])
         cutting += [strip(topology, wall, crossing, *ends, gap) for ends in trims]
         if isinstance(carrier, TubeCurve) and crossing.reach[wall.index]:
             around, whole = slabs_of_tube(topology, wall, other, carrier)
@@ -112,7 +114,7 @@ def _region(
         for value in step_ends(crossing, wall, trims, 10 * topology.tolerance):
             ends = slab_edges(wall, other, carrier.at(np.array([value])), gap + beyond, carrier)
             cuts.append(windowed(wall.sheet, LineString(unwrapped(wall.sheet, np.vstack(ends)))))
-    own = _without_dust(wall.own, shapely.union_all(slabs))
+    own = _without_dust(topology, wall, crossings)
     held = own.difference(shapely.union_all(cutting)) if cutting else own
     material = shapely.union_all([wall.own, *_material(wall, nearby, sections)], grid_size=grid)
     grown = shapely.intersection(shapely.union_all([own, *strips, *lumps], grid_size=grid), material, grid_size=grid)
@@ -121,25 +123,29 @@ def _region(
         grown = _without_pinholes(grown, shapely.union_all(lumps), PINHOLE * wall.thickness**2)
     curves = shapely.union_all(cuts)
     lines = shapely.union_all([grown.boundary, curves], grid_size=grid)
-    near_curves = curves.buffer(20 * grid)
+    near_curves: shapely.Geometry | None = None
     kept = []
     for cell in parts_of(shapely.polygonize(list(shapely.get_parts(lines)))):
         if not grown.contains(cell.representative_point()):
             continue
-        holds = cell.intersection(held).area > HELD * min(cell.area, wall.thickness**2)
-        if holds or cell.boundary.difference(near_curves).length < FREE * cell.boundary.length:
+        if cell.intersection(held).area > HELD * min(cell.area, wall.thickness**2):
+            kept.append(cell)
+            continue
+        near_curves = curves.buffer(20 * grid) if near_curves is None else near_curves
+        if cell.boundary.difference(near_curves).length < FREE * cell.boundary.length:
             kept.append(cell)
     region = shapely.union_all(kept, grid_size=grid)
     return shapely.union_all([part for part in parts_of(region) if part.area >= CRUMB * region.area])
 
 
-def _without_dust(own: PolygonLike, slabs: PolygonLike) -> PolygonLike:
-    """The section less its islands within other walls' slabs: corner posts that this wall happened to win."""
-    parts = parts_of(own)
+def _without_dust(topology: Topology, wall: Wall, crossings: list[Crossing]) -> PolygonLike:
+    """The wall's section less its islands within other walls' slabs: corner posts that this wall happened to win."""
+    parts = parts_of(wall.own)
     if len(parts) < 2:
-        return own
+        return wall.own
+    slabs = shapely.union_all([slab(topology, wall, crossing) for crossing in crossings])
     kept = [part for part in parts if part.difference(slabs).area > 0.2 * part.area]
-    return shapely.union_all(kept) if kept else own
+    return shapely.union_all(kept) if kept else wall.own
 
 
 def _without_pinholes(region: PolygonLike, lumps: PolygonLike, least: float) -> PolygonLike:

@@ -66,7 +66,5 @@ def slabs_of_tube(
 
 def slab(topology: Topology, wall: Wall, crossing: Crossing) -> PolygonLike:
     """The other wall's slab in this wall's sheet, all along the joint curve."""
-    if wall.index not in crossing.slabs:
-        ends = whole_range(topology, topology.carrier(crossing.carrier), wall.segment.solid.bounds)
-        crossing.slabs[wall.index] = strip(topology, wall, crossing, *ends)
-    return crossing.slabs[wall.index]
+    ends = whole_range(topology, topology.carrier(crossing.carrier), wall.segment.solid.bounds)
+    return strip(topology, wall, crossing, *ends)
