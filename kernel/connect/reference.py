@@ -54,7 +54,7 @@ def reference_of(assembly: Assembly, evaluated: Evaluated) -> Reference:
     frame = np.asarray(evaluated.frame)
     solid = solid_moments(facets.vertices @ frame.T, facets.triangles, evaluated.solid.true_volume)
     # parts that touch within the tolerance, or over a stated gap, are one though their solids are two
-    pieces = min(len(evaluated.solid.components()), assembly.pieces)
+    pieces = min(evaluated.solid.count_components(), assembly.pieces)
     chosen = [segment for segment in assembly.segments if segment.origin != "override"]
     whole = Reference(
         size=float(evaluated.size),

@@ -50,6 +50,20 @@ def edge_neighbours(triangles: NDArray[np.int64], n_vertex: int) -> NDArray[np.i
     return np.where(own[found] == wanted, found // 3, -1).reshape(-1, 3)
 
 
+def shells_of(facets: Facets) -> NDArray[np.int64]:
+    """(m,) number of the connected surface that each triangle belongs to: its smallest vertex."""
+    start, end = facets.triangles.ravel(), facets.triangles[:, [1, 2, 0]].ravel()
+    label = np.arange(len(facets.vertices))
+    while True:
+        lower = label.copy()
+        np.minimum.at(lower, label[start], label[end])  # every edge is there both ways
+        while not np.array_equal(lower, lower[lower]):
+            lower = lower[lower]
+        if np.array_equal(lower, label):
+            return label[facets.triangles[:, 0]]
+        label = lower
+
+
 def facets_of(manifold: Manifold, table: SurfaceTable) -> Facets:
     """The triangles of an evaluated manifold; vertices that manifold keeps apart for its properties are one."""
     mesh = manifold.to_mesh64()

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from kernel.csg.tree import frozen_array
 from kernel.errors import DefectError
-from kernel.solid.facets import Facets, facets_of, joined, solid_angle
+from kernel.solid.facets import Facets, facets_of, joined, shells_of, solid_angle
 from kernel.solid.lathe import layer, turn, unit_circle
 from kernel.solid.round import lathe_surface
 from kernel.solid.slivers import sliver_volume
@@ -129,6 +129,19 @@ class Solid:
             shell if len(group) == 1 else Solid(joined(group), self.surfaces)
             for shell, group in zip(shells, inside, strict=True)
         )
+
+    def count_components(self) -> int:
+        """How many `components` there are, without making them: for each, and each void, manifold copies all of it."""
+        if self.is_empty:
+            return 0
+        facets = self.facets
+        own = shells_of(facets)
+        arms = facets.vertices - facets.vertices.mean(axis=0)
+        a, b, c = (arms[facets.triangles[:, k]] for k in range(3))
+        volume = np.bincount(own, np.einsum("ij,ij->i", a, np.cross(b, c)) / 6.0)
+        area = np.bincount(own, facets.areas)
+        is_piece = np.abs(volume) > 0.5 * self.surfaces.tolerance * area
+        return int(np.count_nonzero(is_piece & (volume > 0.0)))
 
 
 def _shell_of(void: Solid, shells: Sequence[Solid]) -> int:

@@ -179,15 +179,26 @@ def test_touching_blocks_are_one_body_with_joined_faces() -> None:
 
 def test_six_digit_gaps_close() -> None:
     third = union(Block(size=(333.333, 10, 10)), Block(size=(333.333, 10, 10), placement=at(x=333.334)))
-    assert len(evaluated(third, "openscad").solid.components()) == 1
-    assert len(evaluated(third, "json").solid.components()) == 2
+    for language, count in (("openscad", 1), ("json", 2)):
+        solid = evaluated(third, language).solid
+        assert len(solid.components()) == solid.count_components() == count
+
+
+def test_a_row_of_closed_rooms_is_one_body_however_many_voids_it_has() -> None:
+    rooms = [Block(size=(8, 8, 8), placement=at(1 + 9 * k, 1, 1)) for k in range(40)]
+    row = evaluated(difference(Block(size=(361, 10, 10)), *rooms)).solid
+    apart = evaluated(union(*(Block(size=(8, 8, 8), placement=at(9 * k, 0, 0)) for k in range(40)))).solid
+    assert (row.count_components(), apart.count_components()) == (1, 40)
+    assert (len(row.components()), len(apart.components())) == (1, 40)
 
 
 def test_voids_belong_to_their_shell() -> None:
     hollow = difference(Block(size=(10, 10, 10)), Sphere(radius=3, placement=at(5, 5, 5)))
     other = Block(size=(1, 1, 1), placement=at(20, 0, 0))
     inner = Block(size=(1, 1, 1), placement=at(5, 5, 5))
-    parts = evaluated(union(hollow, other, inner)).solid.components()
+    whole = evaluated(union(hollow, other, inner)).solid
+    parts = whole.components()
+    assert whole.count_components() == 3
     assert sorted(round(part.true_volume, 6) for part in parts) == [1.0, 1.0, round(1000 - 36 * math.pi, 6)]
 
 
