@@ -16,7 +16,7 @@ import shapely
 from kernel.facts import Facts, Value
 from kernel.segment.fits import diameter_of, fit
 from kernel.segment.holes import round_holes
-from kernel.segment.operands import leaf_count, operand_at, operands_of, tools_of
+from kernel.segment.operands import leaf_count, operand_at, operand_count, operands_of, tools_of
 from kernel.segment.slices import outline_points, parts_of, slice_polygon, smallest_rectangle
 from kernel.segment.supports import contacts_along, free_length
 from kernel.solid.surfaces import plane_frame
@@ -52,7 +52,7 @@ def _intent(piece: Piece) -> Facts:
         piece.role,
         operand.node.name is not None,
         piece.depth,
-        max(len(children), 1),
+        operand_count(operand.node),
         len(tools),
         leaf_count(operand),
     ) | _diameter(operand.node)
@@ -66,9 +66,9 @@ def _intent(piece: Piece) -> Facts:
 def _of_node(node: CsgNode, depth: int, more: Mapping[str, Value]) -> Facts:
     """Facts of a tool or a child, from the tree alone; more: what is known of it besides."""
     operand = operand_at("/", node)
-    count = max(len(operands_of(operand)), 1)
     tools = sum(1 for _ in tools_of(operand))
-    values = _of_tree(node.kind, "operand", node.name is not None, depth, count, tools, leaf_count(operand))
+    leaves = leaf_count(operand)
+    values = _of_tree(node.kind, "operand", node.name is not None, depth, operand_count(node), tools, leaves)
     return Facts({**values, **_diameter(node), **more}, "intent")
 
 
@@ -78,15 +78,15 @@ def _diameter(node: CsgNode) -> dict[str, Value]:
 
 
 def _of_tree(
-    kind: str, role: str, is_named: bool, depth: int, operand_count: int, tool_count: int, leaves: int
+    kind: str, role: str, is_named: bool, depth: int, operands: int, tools: int, leaves: int
 ) -> dict[str, Value]:
     return {
         "kind": kind,
         "role": role,
         "is_named": is_named,
         "depth": depth,
-        "operand_count": operand_count,
-        "tool_count": tool_count,
+        "operand_count": operands,
+        "tool_count": tools,
         "leaf_count": leaves,
     }
 
@@ -183,6 +183,7 @@ def walls(piece: Piece) -> dict[str, Value]:
         values["thinnest_wall"] = min(part.wall.thickness for part in parts)
         values["wall_slenderness"] = min(part.wall.width / part.wall.thickness for part in parts)
     strips = [_strips(part.wall, part.solid) for part in parts if isinstance(part.wall, PlaneWall)]
+    strips = [strip for strip in strips if strip is not None]
     if strips:
         values["outline_fill"], values["strip_ratio"] = min(strips)
     if tubes:
@@ -192,13 +193,19 @@ def walls(piece: Piece) -> dict[str, Value]:
     return _rounded(values)
 
 
-def _strips(wall: PlaneWall, solid: Solid) -> tuple[float, float]:
+def _strips(wall: PlaneWall, solid: Solid) -> tuple[float, float] | None:
     """Of a flat wall's section half-way: the share of its outer outline that it fills, and the mean width of what it
     consists of, in thicknesses. A strip much longer than wide has twice its area / its perimeter as its width.
+
+    Both rounded as facts are, so that of walls that are equally empty it is the one with the narrowest strips that
+    tells, whatever rounding did. None of a wall that owns nothing half-way between its faces.
     """
     middle = slice_polygon(solid.facets, wall.normal, 0.5 * (wall.bottom + wall.top), wall.u, wall.v)
+    if middle.is_empty:
+        return None
     outline = sum(shapely.Polygon(part.exterior).area for part in parts_of(middle))
-    return min(middle.area / outline, 1.0), 2.0 * middle.area / (middle.length * wall.thickness)
+    width = 2.0 * middle.area / (middle.length * wall.thickness)
+    return round_fact(min(middle.area / outline, 1.0)), round_fact(width)
 
 
 def members(beams: Sequence[tuple[float, Prism]], cut_count: int, solid: Solid) -> dict[str, Value]:

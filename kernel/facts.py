@@ -58,7 +58,7 @@ VOCABULARY: tuple[FactSpec, ...] = (
         "operand_count",
         "intent",
         "count",
-        "solids the node splits into when differences and intersections reach into a union below them",
+        "solids the node splits into, those of unions among them too; differences and intersections reach into a union",
     ),
     FactSpec("tool_count", "intent", "count", "operands that a difference takes away"),
     FactSpec("leaf_count", "intent", "count", "primitives in the sub-tree"),

@@ -104,6 +104,20 @@ def tools_of(operand: Operand) -> Iterator[CsgNode]:
         head = head.operands[0]
 
 
+def operand_count(node: CsgNode) -> int:
+    """Solids that a node splits into, those of a union among them in its place: however unions nest, at least 1."""
+    count, stack = 0, [node]
+    while stack:
+        head = stack.pop()
+        while head.kind in ("difference", "intersection"):
+            head = head.operands[_union_below(head) if head.kind == "intersection" else 0]
+        if head.kind == "union":
+            stack.extend(head.operands)
+        else:
+            count += 1
+    return count
+
+
 def leaf_count(operand: Operand) -> int:
     """Primitives in the operand's sub-tree."""
     return sum(not node.operands for _, node in walk(operand.node))

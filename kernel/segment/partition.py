@@ -11,6 +11,7 @@ The walk judges nothing: `decide` does (see plan.py). It records every question 
 
 from __future__ import annotations
 
+import sys
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -23,6 +24,7 @@ from shapely import STRtree
 from shapely.errors import GEOSException
 
 from kernel import describe
+from kernel.csg.source import MAX_TREE_DEPTH
 from kernel.csg.tree import walk
 from kernel.errors import DefectError, MeshError, RuleError
 from kernel.facts import TIERS, Facts
@@ -41,6 +43,9 @@ from kernel.units import VOLUME_TOLERANCE
 if TYPE_CHECKING:
     from kernel.solid.evaluate import Evaluated
     from kernel.solid.solid import Solid
+
+CALLS_PER_LEVEL = 12
+"""Python calls in one another for each level of the tree, which may be 250 deep: more than Python allows by itself."""
 
 NECK_DEPTH = 12
 """Cuts at necks within cuts at necks: what a frame of a dozen bars needs; deeper is no assembly of members."""
@@ -76,6 +81,7 @@ def partition(
     pins = pin(evaluated.model.root, overrides)
     walker = _Walk(evaluated, decide, pins)
     piece = Piece(evaluated.solid, root.path, root.path, "root", 0, root.node.name, operand=root if use_tree else None)
+    sys.setrecursionlimit(max(sys.getrecursionlimit(), 1000 + CALLS_PER_LEVEL * MAX_TREE_DEPTH))
     outcome = walker.settle(piece)
     _check_volume(outcome.drafts, evaluated.solid)
     segments = _numbered(outcome.drafts, evaluated)
@@ -96,12 +102,20 @@ def _named(path: str) -> Iterator[None]:
 
 @dataclass(eq=False)
 class _Walk:
+    """One way through the tree. What was done once is kept, by the piece that it was done to.
+
+    answers: of the rules, by the facts' key. trials: cuts at necks. divided: operands decided. children: pieces of
+    operands, which know nothing of overrides. unpinned: the same walk without overrides, once somebody has asked.
+    """
+
     evaluated: Evaluated
     decide: Decide
     pins: Pins
     answers: dict[tuple, Conclusion | Need] = field(default_factory=dict)
     trials: dict[int, tuple[Piece, Outcome]] = field(default_factory=dict)
     divided: dict[int, tuple[Piece, Outcome]] = field(default_factory=dict)
+    children: dict[int, tuple[Piece, list[Piece]]] = field(default_factory=dict)
+    unpinned: _Walk | None = None
     neck_depth: int = 0
 
     # ---- asking
@@ -163,13 +177,20 @@ class _Walk:
         """What the operands would be without any override, each deciding for itself."""
         if piece.operand is None or not operands_of(piece.operand):
             return {}
-        walk = replace(self, pins=Pins({}, {}), trials={}, divided={}) if self.pins.by_operand else self
-        drafts = walk._operands(piece, operands_of(piece.operand)).drafts
+        drafts = self._without_pins()._operands(piece, operands_of(piece.operand)).drafts
         beams = [draft for draft in drafts if draft.type == "beam"]
         pieces = Counter((draft.path, draft.sources) for draft in beams)
         cut_count = sum(count > 1 for count in pieces.values())
         held = [(draft.solid.volume, draft.prism) for draft in beams if draft.prism is not None]
         return describe.members(held, cut_count, piece.solid)
+
+    def _without_pins(self) -> _Walk:
+        """The walk as it would be without overrides, on the same pieces: one for all that ask."""
+        if not self.pins.by_operand:
+            return self
+        if self.unpinned is None:
+            self.unpinned = replace(self, pins=Pins({}, {}), trials={}, divided={})
+        return self.unpinned
 
     # ---- carrying out
 
@@ -220,7 +241,12 @@ class _Walk:
         return self.divided[id(piece)][1]
 
     def _children(self, piece: Piece, operands: Sequence[Operand]) -> list[Piece]:
-        """Pieces for the operands that have material, each knowing the others whose boxes touch its own."""
+        """Pieces for the operands that have material, each knowing the others whose boxes touch its own; made once."""
+        if id(piece) not in self.children:
+            self.children[id(piece)] = (piece, self._made_children(piece, operands))
+        return self.children[id(piece)][1]
+
+    def _made_children(self, piece: Piece, operands: Sequence[Operand]) -> list[Piece]:
         solids = [(operand, solid_of(self.evaluated, operand)) for operand in operands]
         solids = [(operand, solid) for operand, solid in solids if not solid.is_empty]
         beside = _touching_boxes([solid for _, solid in solids])

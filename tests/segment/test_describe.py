@@ -171,3 +171,13 @@ def test_what_operands_would_be_by_themselves_is_measured_on_their_beams():
     assert root["beam_share"] == pytest.approx(beams / (beams + 640 * 300 * 8), rel=1e-5)
     assert root["beam_fill"] == pytest.approx(1 - 0.8**2, rel=1e-5)
     assert root["cut_beam_count"] == 0
+
+
+@pytest.mark.parametrize("shift", [0.0, 0.1, 1000 / 7])
+def test_of_equally_empty_walls_the_one_with_the_narrowest_strips_tells_wherever_they_stand(shift):
+    """In one of these places rounding makes the share that the thicker one fills the greater by 1e-16."""
+    thin, thick = (f"difference() {{ {box(200, 100, t)} {at(50, 20, -1, box(100, 60, 20))} }}" for t in (8, 12))
+    places = [(shift, 1.7 * shift, 0.0), (3 * shift, shift / 3, 300.0)]
+    for first, second in (places, places[::-1]):
+        found = describe.walls(piece_of(f"union() {{ {at(*first, thin)} {at(*second, thick)} }}"))
+        assert found["strip_ratio"] == pytest.approx(2 * (20000 - 6000) / (600 + 320) / 12, rel=1e-5)

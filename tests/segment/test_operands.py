@@ -1,5 +1,7 @@
+import pytest
+
 from kernel.csg.reader import read_model
-from kernel.segment.operands import operand_at, operands_of
+from kernel.segment.operands import operand_at, operand_count, operands_of
 
 
 def split(text: str):
@@ -38,3 +40,17 @@ def test_a_drilled_block_is_one_solid_that_answers_to_two_paths():
 def test_a_primitive_does_not_split():
     _, operands = split("SPH(3)\n")
     assert operands == ()
+
+
+@pytest.mark.parametrize(
+    "text, count",
+    [
+        ("BLO(1,1,1) UN BLO(2,2,2) UN CYL(1,4)\n", 3),
+        ("(BLO(1,1,1) UN BLO(2,2,2)) UN (CYL(1,4) UN (SPH(1) UN SPH(2)))\n", 5),
+        ("((BLO(1,1,1) UN (BLO(2,2,2) DIF SPH(1))) DIF SPH(1)) INT BLO(9,9,9)\n", 2),
+        ("BLO(9,9,1) DIF (CYL(1,4) UN CYL(2,4))\n", 1),
+    ],
+)
+def test_operands_are_counted_however_their_unions_nest(text, count):
+    operand, _ = split(text)
+    assert operand_count(operand.node) == count

@@ -5,9 +5,12 @@ from __future__ import annotations
 import pytest
 from segmenting import plain_decide, segmented
 
+from kernel.csg.source import MAX_TREE_DEPTH
 from kernel.errors import RuleError
-from kernel.plan import Need
+from kernel.plan import Conclusion, Need
+from kernel.segment import pieces
 from kernel.segment.segments import BeamShape, CylinderShape, PlateShape
+from kernel.segment.slabs import decompose
 
 FRAME = "P = BLO(100,100,2500) UN BLO(100,100,2500) AT(MOVX=2900) UN BLO(3000,100,140) AT(MOVZ=2360)\n"
 BRACKET = (
@@ -164,3 +167,30 @@ def test_webs_in_line_on_both_sides_of_a_plate_keep_to_their_sides(base):
     volumes = {segment.thickness: segment.solid.volume for segment in found.segments}
     assert volumes[7] == pytest.approx(7 * 180 * 500, rel=1e-9)
     assert volumes[8] == pytest.approx(8 * 600 * 276, rel=1e-9)
+
+
+def nested(solids: list[str]) -> str:
+    """A union of a union of a union, one solid more at each level."""
+    lines = [f"U0 = {solids[0]}", *(f"U{k} = U{k - 1} UN {solid}" for k, solid in enumerate(solids[1:], 1))]
+    return "\n".join([*lines, f"OUT U{len(solids) - 1}"]) + "\n"
+
+
+def test_a_tree_as_deep_as_can_be_read_is_taken_apart():
+    def split_unions(facts):
+        return Conclusion("split" if facts["operand_count"] > 1 else "brick", "plain", 1.0, "it is a test")
+
+    found = segmented(nested([f"BLO(10,10,300) AT(MOVX={100 * k})" for k in range(MAX_TREE_DEPTH)]), decide=split_unions)
+    assert len(found.segments) == MAX_TREE_DEPTH
+
+
+def test_with_an_override_far_below_walls_are_not_looked_for_anew_at_every_level(monkeypatch):
+    text = nested(
+        [f"((BLO(40,40,600) DIF BLO(32,32,602) AT(MOVX=4, MOVY=4, MOVZ=-1)) AT(MOVX={40 * k}))" for k in range(6)]
+    )
+    asked = []
+    monkeypatch.setattr(pieces, "decompose", lambda solid: asked.append(solid) or decompose(solid))
+    assert [segment.type for segment in segmented(text).segments] == ["beam"] * 6
+    plain = len(asked)
+    found = segmented(text, {"0.0.0.0.0": "brick"})
+    assert sorted(segment.type for segment in found.segments) == ["beam"] * 5 + ["brick"]
+    assert len(asked) - plain <= 2 * plain
