@@ -1,4 +1,4 @@
-"""Nodes that move as one rigid body: a union-find with members in order."""
+"""A union-find with members in order: nodes of one rigid body, walls of one row of the ledger, parallel planes."""
 
 from __future__ import annotations
 

@@ -24,6 +24,7 @@ from kernel.connect.skins import Foot, Skin
 from kernel.mesh.assembly import Tie
 from kernel.mesh.mesh import ElementBlock, Mesh
 from kernel.mesh.patches import SurfaceFaces, faces_on, node_areas
+from kernel.solid.boxes import BoxIndex
 from kernel.solid.charts import flatten
 from kernel.solid.surfaces import Plane, plane_frame
 
@@ -107,13 +108,10 @@ class _Finder:
         parts: list[Skin | Line] = [*self.skins.values(), *self.lines.values()]
         if not parts:
             return []
-        boxes = np.array([(part.box[0] - part.reach, part.box[1] + part.reach) for part in parts])
-        low, high = boxes[:, 0] - self.reach, boxes[:, 1] + self.reach
-        found: list[tuple[Skin | Line, Skin | Line]] = []
-        for place, part in enumerate(parts):
-            near = (low[place + 1 :] <= high[place]) & (high[place + 1 :] >= low[place])
-            found += [(part, parts[place + 1 + k]) for k in np.flatnonzero(near.all(axis=1)).tolist()]
-        return found
+        around = np.array([part.reach + self.reach for part in parts])[:, None]
+        boxes = np.array([(part.box[0], part.box[1]) for part in parts])
+        boxes = np.stack([boxes[:, 0] - around, boxes[:, 1] + around], axis=1)
+        return [(parts[one], parts[other]) for one, other in BoxIndex(boxes).pairs(boxes) if one < other]
 
     @staticmethod
     def _share(one: Skin | Line, other: Skin | Line) -> bool:
@@ -139,7 +137,7 @@ class _Finder:
         """Nodes of the follower whose faces lie on the host's, and their feet there."""
         away = follower.half + host.half
         nodes, feet = [], []
-        for node in np.setdiff1d(follower.nodes, host.nodes).tolist():
+        for node in host.those_near(np.setdiff1d(follower.nodes, host.nodes), self.points, away + self.reach):
             if node in self.bound:
                 continue
 

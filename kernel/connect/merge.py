@@ -24,13 +24,13 @@ from kernel.errors import ConnectError
 from kernel.mesh.assembly import Tie
 from kernel.mesh.elements import ELEMENT_KINDS
 from kernel.mesh.mesh import ElementBlock, Mesh
-from kernel.mesh.shapes import family, shape_derivatives, shape_values
+from kernel.mesh.shapes import beyond_rim, foot_on_face, shape_values
+from kernel.solid.boxes import BoxIndex
 from kernel.units import VERTEX_TOLERANCE
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
-NEWTON_STEPS = 12
 INSIDE = 1e-6
 """Local coordinates beyond an element's rim by less than this are on it."""
 
@@ -156,12 +156,11 @@ def _ties(mesh: Mesh, reach: float, segments: Sequence[str], bound: Collection[i
             blocks[block.segment].append(block)
     parts = {name: part for name, own in blocks.items() if (part := _part(mesh, own, reach)) is not None}
     names = list(parts)
-    low, high = (np.array([parts[name].box[k] for name in names]).reshape(-1, 3) for k in (0, 1))
+    boxes = np.array([parts[name].box for name in names]).reshape(-1, 2, 3)
     ties = []
-    for position, one in enumerate(names):
-        near = (low[position + 1 :] <= high[position] + reach) & (high[position + 1 :] >= low[position] - reach)
-        for index in np.flatnonzero(near.all(axis=1)).tolist():
-            other = names[position + 1 + index]
+    for number, place in BoxIndex(boxes).pairs(boxes + [[[-reach], [reach]]]):
+        if number < place:
+            one, other = names[number], names[place]
             ahead = _hanging(mesh, parts[one], parts[other], reach, bound)
             back = _hanging(mesh, parts[other], parts[one], reach, bound)
             found = ahead if len(ahead[0]) > len(back[0]) else back
@@ -233,16 +232,8 @@ def _host(mesh: Mesh, host: _Part, place: Array, reach: float) -> tuple[Indices,
 
 def _weights_at(kind: str, corners: Array, place: Array, reach: float) -> Array | None:
     """Shape functions where the place projects into the element, None where it is outside or off by more than reach."""
-    local = np.full(2, 1 / 3) if family(kind) == "tri" else np.zeros(2)
-    for _ in range(NEWTON_STEPS):
-        off = place - shape_values(kind, local[None])[0] @ corners
-        tangents = shape_derivatives(kind, local[None])[0] @ corners  # (2, 3)
-        local = np.clip(local + np.linalg.lstsq(tangents.T, off, rcond=None)[0], -3, 3)
+    local = foot_on_face(kind, corners, place)
     values: Array = shape_values(kind, local[None])[0]
-    if float(np.linalg.norm(place - values @ corners)) > reach:
+    if float(np.linalg.norm(place - values @ corners)) > reach or beyond_rim(kind, local) > INSIDE:
         return None
-    if family(kind) == "tri":
-        inside = local.min() >= -INSIDE and local.sum() <= 1 + INSIDE
-    else:
-        inside = np.abs(local).max() <= 1 + INSIDE
-    return values if inside else None
+    return values

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from kernel.mesh.bricks import outer_faces
 from kernel.mesh.elements import ELEMENT_KINDS
 from kernel.mesh.mesh import ElementBlock
-from kernel.mesh.shapes import shape_derivatives, shape_values
+from kernel.mesh.shapes import beyond_rim, foot_on_face, shape_values
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
@@ -27,8 +27,6 @@ SMOOTH = np.cos(np.radians(50.0))
 
 INSIDE = 1e-6
 """Local coordinates beyond a face's rim by less than this are on it."""
-
-STEPS = 12
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -124,27 +122,43 @@ class Skin:
         """How far the body's surface may lie outside the box of its nodes."""
         return self.half + self.bulge
 
+    def those_near(self, nodes: Indices, points: Array, reach: float) -> list[int]:
+        """Those of the nodes (n,) that may be within `reach` of the skin, by its box. points: of the mesh."""
+        margin = reach + self.bulge
+        at = points[nodes]
+        return nodes[((at >= self.box[0] - margin) & (at <= self.box[1] + margin)).all(axis=1)].tolist()
+
     def looks(self, node: int, direction: Array, cosine: float) -> bool:
         """Whether one of the faces at a node looks in a direction, or for shells against it, within an angle."""
         found = (float(normal @ direction) for normal in self._normals[node])
         return any(value >= cosine or (not self.is_solid and -value >= cosine) for value in found)
 
     def rim(self) -> list[Edge]:
-        """Of shells the edges that one element has."""
-        found: dict[tuple[int, int], Edge | None] = {}
-        for part, block in zip(self.faces, self.blocks, strict=True):
+        """Of shells the edges that one element has; of second order their halves."""
+        ends, elements = [], []  # of every edge its two nodes, and whose it is
+        for number, block in enumerate(self.blocks):
             kind = ELEMENT_KINDS[block.kind]
-            for row, at, normal in zip(block.connectivity.tolist(), part.at, part.middle_normals):
-                for k, (first, last) in enumerate(kind.edges):
-                    out = np.cross(at[last] - at[first], normal)
-                    out /= np.linalg.norm(out)
-                    line = [row[first], row[last]]
-                    if kind.order == 2:
-                        line.insert(1, row[kind.n_corner + k])
-                    for a, b in pairwise(line):
-                        key = (min(a, b), max(a, b))
-                        found[key] = None if key in found else Edge(a, b, normal, out)
-        return [edge for edge in found.values() if edge is not None]
+            for k, line in enumerate(kind.edges):
+                nodes = list(line)
+                if kind.order == 2:
+                    nodes.insert(1, kind.n_corner + k)
+                for pair in pairwise(nodes):
+                    ends.append(block.connectivity[:, pair])
+                    own = np.arange(len(block.connectivity))
+                    elements.append(np.column_stack([np.full_like(own, number), own, np.full_like(own, k)]))
+        every, owner = np.concatenate(ends), np.concatenate(elements)
+        _, number, count = np.unique(np.sort(every, axis=1), axis=0, return_inverse=True, return_counts=True)
+        lone = np.flatnonzero(count[number.reshape(-1)] == 1)
+        lone = lone[np.lexsort(owner[lone].T[::-1])]
+        return [self._edge(*every[row].tolist(), *owner[row].tolist()) for row in lone.tolist()]
+
+    def _edge(self, start: int, end: int, block: int, element: int, number: int) -> Edge:
+        """An edge of an element, or half of it, with the normal and the way out."""
+        part = self.faces[block]
+        first, last = ELEMENT_KINDS[self.blocks[block].kind].edges[number]
+        normal = part.middle_normals[element]
+        out = np.cross(part.at[element, last] - part.at[element, first], normal)
+        return Edge(start, end, normal, out / np.linalg.norm(out))
 
     def foot(
         self, place: Array, reach: float, away: float, accept: Callable[[Array], bool], up_to: float | None = None
@@ -173,14 +187,7 @@ class Skin:
     ) -> tuple[float, Foot] | None:
         """(how far beyond the face's rim, the foot)."""
         corners = part.at[row]
-        local = np.full(2, 1 / 3) if part.kind == "tri3" else np.zeros(2)
-        for _ in range(STEPS):
-            off = place - shape_values(part.kind, local[None])[0] @ corners
-            tangents = shape_derivatives(part.kind, local[None])[0] @ corners
-            step = np.linalg.lstsq(tangents.T, off, rcond=None)[0]
-            local = np.clip(local + step, -3, 3)
-            if np.abs(step).max() < 1e-13:
-                break
+        local = foot_on_face(part.kind, corners, place)
         weights = shape_values(part.kind, local[None])[0]
         normal = weights @ part.normals[row]
         normal /= np.linalg.norm(normal)
@@ -192,10 +199,7 @@ class Skin:
         if not window[0] - slack <= apart <= window[1] + slack:
             return None
         size = float(np.linalg.norm(np.roll(corners, -1, axis=0) - corners, axis=1).min())
-        if part.kind == "tri3":
-            beyond = max(0.0, -float(local.min()), float(local.sum()) - 1)
-        else:
-            beyond = max(0.0, float(np.abs(local).max()) - 1)
+        beyond = beyond_rim(part.kind, local)
         if beyond > INSIDE + 2 * (window[1] * spread + reach) / size:
             return None
         weights = np.where(np.abs(weights) > INSIDE, np.clip(weights, 0.0, None), 0.0)

@@ -84,6 +84,8 @@ def _facing(model: Model, found: Connected, segments: Collection[str] | None) ->
             owners.setdefault(node, set()).add(block.segment)
 
     def pairs(dependent: Collection[int], hosts: Collection[int]) -> set[frozenset[str]]:
+        if not hosts:  # an equation that holds a freedom at nought
+            return set()
         on = set.intersection(*(owners.get(node, set()) for node in hosts))
         return {frozenset((one, other)) for node in dependent for one in owners.get(node, ()) for other in on - {one}}
 

@@ -17,6 +17,12 @@ from kernel.mesh.elements import ELEMENT_KINDS
 
 Array = NDArray[np.float64]
 
+FOOT_STEPS = 12
+"""Of Gauss-Newton; on a flat face one does."""
+
+FOOT_STAYS = 1e-13
+"""A step in local coordinates that is but rounding."""
+
 _LINE = np.array([[-1.0], [1.0]])
 _QUAD = np.array([[-1.0, -1], [1, -1], [1, 1], [-1, 1]])
 _HEX = np.vstack([np.column_stack([_QUAD, np.full(4, z)]) for z in (-1.0, 1.0)])
@@ -64,6 +70,29 @@ def shape_derivatives(kind: str, points: Array) -> Array:
         lowered[:, axis] = np.maximum(lowered[:, axis] - 1, 0)
         rows.append((_powers(points, lowered) * terms[:, axis]) @ inverse)
     return np.stack(rows, axis=1)
+
+
+def foot_on_face(kind: str, corners: Array, place: Array) -> Array:
+    """Local coordinates (2,) of the foot of a place (3,) on a face (n_node, 3), which goes on beyond its rim.
+
+    Gauss-Newton on the distance; no further out than three faces away.
+    """
+    local = np.full(2, 1 / 3) if family(kind) == "tri" else np.zeros(2)
+    for _ in range(FOOT_STEPS):
+        off = place - shape_values(kind, local[None])[0] @ corners
+        tangents = shape_derivatives(kind, local[None])[0] @ corners  # (2, 3)
+        step = np.linalg.lstsq(tangents.T, off, rcond=None)[0]
+        local = np.clip(local + step, -3, 3)
+        if np.abs(step).max() < FOOT_STAYS:
+            break
+    return local
+
+
+def beyond_rim(kind: str, local: Array) -> float:
+    """How far local coordinates (2,) lie outside of a face, 0 within it."""
+    if family(kind) == "tri":
+        return max(0.0, -float(local.min()), float(local.sum()) - 1)
+    return max(0.0, float(np.abs(local).max()) - 1)
 
 
 @cache
