@@ -182,8 +182,8 @@ def walls(piece: Piece) -> dict[str, Value]:
         values["wall_thickness"] = max(part.wall.thickness for part in parts)
         values["thinnest_wall"] = min(part.wall.thickness for part in parts)
         values["wall_slenderness"] = min(part.wall.width / part.wall.thickness for part in parts)
-    strips = [_strips(part.wall, part.solid) for part in parts if isinstance(part.wall, PlaneWall)]
-    strips = [strip for strip in strips if strip is not None]
+    measured = [_strips(part.wall, part.solid) for part in parts if isinstance(part.wall, PlaneWall)]
+    strips = [strip for strip in measured if strip is not None]
     if strips:
         values["outline_fill"], values["strip_ratio"] = min(strips)
     if tubes:

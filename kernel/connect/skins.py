@@ -147,8 +147,8 @@ class Skin:
                     own = np.arange(len(block.connectivity))
                     elements.append(np.column_stack([np.full_like(own, number), own, np.full_like(own, k)]))
         every, owner = np.concatenate(ends), np.concatenate(elements)
-        _, number, count = np.unique(np.sort(every, axis=1), axis=0, return_inverse=True, return_counts=True)
-        lone = np.flatnonzero(count[number.reshape(-1)] == 1)
+        _, same, count = np.unique(np.sort(every, axis=1), axis=0, return_inverse=True, return_counts=True)
+        lone = np.flatnonzero(count[same.reshape(-1)] == 1)
         lone = lone[np.lexsort(owner[lone].T[::-1])]
         return [self._edge(*every[row].tolist(), *owner[row].tolist()) for row in lone.tolist()]
 

@@ -18,23 +18,14 @@ from shapely import Polygon
 from kernel.segment.corners import EMPTY, WallPart, settle_corners
 from kernel.segment.faces import Region, faces_of
 from kernel.segment.slices import parts_of, slice_loops, slice_polygon
+from kernel.segment.traces import footprint_of, is_parallel, is_tangent, strips_beside, trace_of
 from kernel.segment.walls import LARGE_HOLE, PlaneWall, TubeWall, Wall, find_walls, least_radius
 from kernel.solid.fins import without_fins
-from kernel.solid.lathe import SAGITTA
 from kernel.solid.solid import half_space_cut, intersect, prism, subtract, tube, unite
 from kernel.solid.surfaces import CylinderSurface, PlaneFrame
 
 if TYPE_CHECKING:
     from kernel.solid.solid import Solid
-
-ALONG = 1e-6
-"""A wall lies along an axis when its normal is this near (cosine) to square to it."""
-
-FACETS = 2.0 * SAGITTA
-"""Of its radius: what a tube's trace is wider by than its true circles, for other faces end at its facets."""
-
-TANGENT = 0.985
-"""A plane this far from a tube's axis, of its mean radius, meets its mid-surface at less than 10 degrees."""
 
 GROWTH = 1.1
 """Into a crossing wall a slab grows by this many times what it takes to reach through it, along itself."""
@@ -162,8 +153,8 @@ def _grown(filled: Region, wall: PlaneWall, walls: tuple[Wall, ...]) -> Region:
 
     No further: beyond a plate that a web stands on, another web may stand in line with it (a beam over its column).
     """
-    crossing = [other for other in walls if other is not wall and not _is_parallel(wall, other)]
-    crossing = [other for other in crossing if not (isinstance(other, TubeWall) and _is_tangent(wall, other))]
+    crossing = [other for other in walls if other is not wall and not is_parallel(wall, other)]
+    crossing = [other for other in crossing if not (isinstance(other, TubeWall) and is_tangent(wall, other))]
     if not crossing:
         return filled
     ways = [_way_through(wall, other) for other in crossing]
@@ -172,7 +163,7 @@ def _grown(filled: Region, wall: PlaneWall, walls: tuple[Wall, ...]) -> Region:
     centre = np.array([0.5 * (left + right), 0.5 * (low + high)])
     strips: dict[float, list[Region]] = {}
     for other, way in zip(crossing, ways, strict=True):
-        if (strip := _trace(wall, other, centre, reach)) is not None:
+        if (strip := trace_of(wall, other, centre, reach)) is not None:
             strips.setdefault(round(way, 12), []).append(strip)
     grown = [
         filled.buffer(GROWTH * way, join_style="mitre").intersection(shapely.union_all(crossed))
@@ -199,27 +190,16 @@ def _filled(solid: Solid, wall: PlaneWall, walls: tuple[Wall, ...], middle: Regi
     faces = faces_of(solid)
     bottom, top = wall.surface_ids
     one_sided = faces.polygon(bottom, -1).union(faces.polygon(top, 1)).intersection(middle).difference(filled)
-    others = [_footprint(wall, other) for other in walls if other is not wall and isinstance(other, PlaneWall)]
+    others = [footprint_of(wall, other) for other in walls if other is not wall and isinstance(other, PlaneWall)]
     if others:
         one_sided = one_sided.difference(shapely.union_all(others))
     size = max(1e-6 * wall.area, solid.surfaces.tolerance * wall.thickness)
     edges = [part for part in parts_of(one_sided) if size < part.area <= LARGE_HOLE * wall.thickness**2]
-    tubes = [_beside(wall, other) for other in walls if isinstance(other, TubeWall)]
+    tubes = [strips_beside(wall, other) for other in walls if isinstance(other, TubeWall)]
     if any(not strip.is_empty for strip in tubes):
         edges += [part for part in parts_of(one_sided.intersection(shapely.union_all(tubes))) if part.area > size]
     edges = [part for part in edges if part.distance(filled) < solid.surfaces.tolerance]
     return shapely.union_all([filled, *edges]) if edges else filled
-
-
-def _footprint(wall: PlaneWall, other: PlaneWall) -> Region:
-    """Where the other wall stands, in this one's coordinates; empty for one that lies above or below it."""
-    if _is_parallel(wall, other):
-        return other.paired if other.bottom < wall.top and wall.bottom < other.top else Polygon()
-    left, low, right, high = other.paired.bounds
-    corners = np.array([(left, low), (right, low), (right, high), (left, high)])
-    flat = corners[:, :1] * other.u + corners[:, 1:] * other.v
-    points = np.concatenate([flat + other.normal * offset for offset in (other.bottom, other.top)])
-    return shapely.multipoints(points @ np.stack([wall.u, wall.v], axis=1)).convex_hull.buffer(1e-6 * wall.thickness)
 
 
 def _on_vertices(outline: Region, slab: Solid, wall: PlaneWall, near: float) -> Region:
@@ -233,70 +213,6 @@ def _on_vertices(outline: Region, slab: Solid, wall: PlaneWall, near: float) -> 
         return np.where(close[:, None], known[nearest], points)
 
     return shapely.remove_repeated_points(shapely.transform(outline, onto), near)
-
-
-def _is_parallel(wall: PlaneWall, other: Wall) -> bool:
-    return isinstance(other, PlaneWall) and abs(float(other.normal @ wall.normal)) > 1.0 - 1e-9
-
-
-def _trace(wall: PlaneWall, other: Wall, centre: np.ndarray, reach: float) -> Region | None:
-    """Where the other wall's slab passes between the faces of this one, in this one's coordinates.
-
-    None where it does not come within `reach` of the centre.
-    """
-    if isinstance(other, TubeWall):
-        along = abs(float(other.axis.direction @ wall.normal))
-        if along < 1.0 - 1e-9:
-            return shapely.box(centre[0] - reach, centre[1] - reach, centre[0] + reach, centre[1] + reach)
-        middle = shapely.Point(float(other.axis.point @ wall.u), float(other.axis.point @ wall.v))
-        ring = middle.buffer(other.outer_radius * 1.001, quad_segs=64)
-        return ring.difference(middle.buffer(other.inner_radius * 0.999, quad_segs=64))
-    slope = np.array([other.normal @ wall.u, other.normal @ wall.v])
-    sine = float(np.linalg.norm(slope))
-    tilt = float(other.normal @ wall.normal)
-    ends = [tilt * wall.bottom, tilt * wall.top]
-    low, high = (other.bottom - max(ends)) / sine, (other.top - min(ends)) / sine
-    across = slope / sine
-    along_strip = np.array([-across[1], across[0]])
-    at = float(centre @ across)
-    if low > at + reach or high < at - reach:
-        return None
-    start = centre - across * at
-    corners = [
-        start + across * low - along_strip * reach,
-        start + across * high - along_strip * reach,
-        start + across * high + along_strip * reach,
-        start + across * low + along_strip * reach,
-    ]
-    return Polygon(corners)
-
-
-def _is_tangent(wall: PlaneWall, other: TubeWall) -> bool:
-    """Whether the mid-surfaces of a wall and of a tube along it meet at no angle, if they meet: none runs through."""
-    away = abs(0.5 * (wall.bottom + wall.top) - float(wall.normal @ other.axis.point))
-    return abs(float(wall.normal @ other.axis.direction)) <= ALONG and away >= TANGENT * other.mid_radius
-
-
-def _beside(wall: PlaneWall, other: TubeWall) -> Region:
-    """The strips, or the one, in which a tube's material may lie between the faces of a wall along its axis.
-
-    Empty where the wall does not lie along the axis, or passes the tube by.
-    """
-    at = float(wall.normal @ other.axis.point)
-    nearest = max(wall.bottom - at, at - wall.top, 0.0)
-    farthest = max(abs(wall.bottom - at), abs(wall.top - at))
-    outer, inner = other.outer_radius * (1.0 + FACETS), other.inner_radius * (1.0 - FACETS)
-    if abs(float(wall.normal @ other.axis.direction)) > ALONG or nearest >= outer:
-        return Polygon()
-    high, low = float(np.sqrt(outer**2 - nearest**2)), float(np.sqrt(max(0.0, inner**2 - farthest**2)))
-    axes = np.stack([wall.u, wall.v])
-    along, foot = axes @ other.axis.direction, axes @ other.axis.point
-    across = np.array([-along[1], along[0]])
-    _, start, _, end = other.paired.bounds
-    strips = []
-    for a, b in ((-high, -low), (low, high)):
-        strips.append(Polygon([foot + across * x + along * z for x, z in ((a, start), (b, start), (b, end), (a, end))]))
-    return shapely.union_all(strips)
 
 
 def _tube_slab(solid: Solid, wall: TubeWall, walls: tuple[Wall, ...]) -> Solid | None:

@@ -179,7 +179,9 @@ def test_a_tree_as_deep_as_can_be_read_is_taken_apart():
     def split_unions(facts):
         return Conclusion("split" if facts["operand_count"] > 1 else "brick", "plain", 1.0, "it is a test")
 
-    found = segmented(nested([f"BLO(10,10,300) AT(MOVX={100 * k})" for k in range(MAX_TREE_DEPTH)]), decide=split_unions)
+    found = segmented(
+        nested([f"BLO(10,10,300) AT(MOVX={100 * k})" for k in range(MAX_TREE_DEPTH)]), decide=split_unions
+    )
     assert len(found.segments) == MAX_TREE_DEPTH
 
 
