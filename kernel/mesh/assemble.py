@@ -1,11 +1,11 @@
-"""From segments to one mesh: mid-surfaces joined, curves seeded once, faces, beams and bricks meshed on them.
+"""From segments to one mesh: parts idealised, curves seeded once, faces, bricks and beams meshed on them, ties.
 
-walls -> crossings -> regions -> outlines and imprints -> curves -> seeds -> faces -> bricks, beams -> ties
+idealised parts -> curves -> seeds -> faces -> bricks -> beams -> ties -> order -> ledger
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -14,27 +14,21 @@ from kernel.connect.gaps import near_misses
 from kernel.connect.joints import Joint
 from kernel.errors import OptionError
 from kernel.idealise.arm_cuts import pair_vertices
-from kernel.idealise.arms import TeeOf, arm_candidates, extended, stand_off, tee_choice, unused_choices
-from kernel.idealise.beam import make_beam
-from kernel.idealise.brick import group_bricks
-from kernel.idealise.crossings import find_crossings, pinch_notes
-from kernel.idealise.footprints import cut_edges, footprint_candidates, lap_candidates, seats
-from kernel.idealise.imprints import crossing_candidates, imprint, lay_outlines, outline_candidates
+from kernel.idealise.arms import tee_choice, unused_choices
+from kernel.idealise.idealise import idealise
 from kernel.idealise.ledger import misfits, unexplained, volume_ledger
+from kernel.idealise.ledger_row import LedgerRow
 from kernel.idealise.parts import Parts
-from kernel.idealise.regions import join_walls
-from kernel.idealise.tangent_lines import tangent_candidates
-from kernel.idealise.topology import BOUNDARY, Curve, Topology
-from kernel.idealise.walls import corner_material, make_wall
+from kernel.idealise.topology import BOUNDARY, Curve
 from kernel.mesh.apart import count_pieces, faces_apart, half_apart, joined_tees, lost_arms, torn, wanted_apart
-from kernel.mesh.arms import arm_rows, arm_ties, hung_curves
+from kernel.mesh.arms import HungCurve, arm_rows, arm_ties, hung_curves
 from kernel.mesh.assembly import Assembly
 from kernel.mesh.beam_ties import beam_stations
 from kernel.mesh.beams import mesh_beams
-from kernel.mesh.bricks import mesh_bricks
+from kernel.mesh.bricks import BrickMesh, mesh_bricks
 from kernel.mesh.chord_loss import least_on_walls
 from kernel.mesh.chord_rows import chord_rows, coarse_walls
-from kernel.mesh.curve_choice import choose_curves
+from kernel.mesh.curve_choice import ChosenCurves, choose_curves
 from kernel.mesh.faces import (
     CurvesByFace,
     FaceMesh,
@@ -56,7 +50,6 @@ from kernel.mesh.seeding import SeedRules, growth_rate, refuse_too_fine, seed_cu
 from kernel.mesh.size_field import plan_sizes
 from kernel.mesh.ties import make_ties
 from kernel.segment.segments import Segment
-from kernel.units import VERTEX_TOLERANCE
 
 if TYPE_CHECKING:
     from kernel.solid.evaluate import Evaluated
@@ -95,56 +88,31 @@ def assemble(
     torn_joints = wanted_apart(joints, apart)
     if only is not None:
         torn_joints = frozenset(joint.id for joint in joints)
-    tee_of = joined_tees(tee_choice(options.tee, options.joint_tees, joints), joints, torn_joints)
-    parts = idealise(segments, joints, evaluated.size, options.volumes, tee_of, torn_joints, evaluated.frame)
-    joined_choices = {name: tee for name, tee in options.joint_tees.items() if name not in torn_joints}
-    parts.warnings += unused_choices(joined_choices, joints, parts.arms)
-    parts.warnings += lost_arms(options.tee, options.joint_tees, joints, torn_joints, only)
-    parts.warnings += half_apart(parts.walls, joints, torn_joints)
+
+    parts = _idealised(segments, joints, options, evaluated, torn_joints, only)
     hangings = pair_vertices(parts.topology, parts.arms, parts.thickest()) if parts.arms else []
     joined = parts.topology.curves()
-    ledger = volume_ledger(parts, joined, evaluated.solid.true_volume)  # as joined, whatever is meshed
-    parts.warnings += unexplained(ledger, sum(segment.volume for segment in segments))
-    pinned = [segment for segment in segments if segment.origin == "override"]
-    parts.warnings += [f"{name} {misfit}" for name, misfit in misfits(ledger, pinned).items()]
+    ledger = _ledger(parts, joined, segments, evaluated)  # as joined, whatever is meshed
     every_segment = [segment.id for segment in segments]
     segments = _limited(parts, segments, only)
     report("idealised", 0.2)
+
     nodes = NodeTable()
     pieces = _apart(joined, parts, joints, torn_joints, only)
     hung = hung_curves(parts.topology, pieces, hangings)
     chosen = choose_curves(options, parts, pieces, evaluated)
-    growth = None if options.growth is None else growth_rate(options.growth)
-    hosted = host_wishes(parts, pieces, sizes, options.layers, evaluated.size) if options.layers else {}
-    parts.warnings += coarser_wishes(parts, pieces, hosted, chosen.walls)
-    is_free = options.order == 1 and options.per_circle is None
-    fewest = least_on_walls(parts, pieces, sizes) if is_free else {}
-    curves = seed_curves(
-        parts.topology,
-        pieces,
-        {wall.index: wall.sheet for wall in parts.walls.values()},
-        {wall.index: sizes[wall.segment.id] for wall in parts.walls.values()},
-        nodes,
-        hung,
-        SeedRules({**hosted, **chosen.walls}, growth, options.per_circle, fewest=fewest),
-    )
-    refuse_too_fine(curves, growth)
-    blocks: dict[str, list[ElementBlock]] = {segment.id: [] for segment in segments}
+    curves = _seeded(parts, pieces, hung, sizes, chosen, options, nodes, evaluated.size)
     by_face = curves_by_face(curves)
-    faces = _mesh_faces(parts, by_face, sizes, options.faces, growth, options.layers, nodes, report)
-    for name, face in faces.items():
-        blocks[name] += _blocks(name, face)
+
+    faces = _mesh_faces(parts, by_face, sizes, options, nodes, report)
     bricks = mesh_bricks(parts, by_face, faces, sizes, options, chosen, nodes, evaluated.frame, report)
-    for name, brick in bricks.items():
-        blocks[name] += brick.blocks
     for joint in parts.joints:
         beam_stations(parts, joint, sizes)
     lines, seated = mesh_beams(parts, by_face, sizes, chosen.beams, nodes)
-    for name, block in lines.items():
-        blocks[name].append(block)
     report("meshed", 0.9)
+
     ties = make_ties(Meshed(parts, by_face, faces, bricks, seated, nodes.points))
-    mesh = Mesh(nodes.points, tuple(block for segment in segments for block in blocks[segment.id]))
+    mesh = Mesh(nodes.points, _blocks(segments, faces, bricks, lines))
     raised = None if options.order == 2 else ALWAYS_SECOND_ORDER
     if raised is None or any(block.kind in raised for block in mesh.blocks):
         mesh, ties, drawn = raise_order(mesh, ties, parts, curves, faces, bricks, raised)
@@ -173,52 +141,65 @@ def assemble(
     )
 
 
-def idealise(
+def _idealised(
     segments: Sequence[Segment],
     joints: Sequence[Joint],
-    size: float,
-    volumes: str = "auto",
-    tee_of: TeeOf = extended,
-    apart: Collection[str] = (),
-    frame: np.ndarray | None = None,
+    options: MeshOptions,
+    evaluated: Evaluated,
+    torn_joints: Collection[str],
+    only: Collection[str] | None,
 ) -> Parts:
-    """Walls joined to one topology with all their imprints, beams with their axes, swept bricks in groups.
-
-    size: the model's. volumes: as in MeshOptions. tee_of: how the tees of two segments are made. apart: joints that
-    only walls take notice of, whose mid-surfaces meet there. frame: as in Topology.
-    """
-    topology = Topology(VERTEX_TOLERANCE * size, size, frame)
-    parts = Parts(topology, {segment.id: segment for segment in segments}, tuple(joints))
-    for segment in segments:
-        if segment.type in ("plate", "cylinder_plate"):
-            parts.walls[segment.id] = make_wall(topology, len(parts.walls), segment)
-    parts.absorbed = corner_material(segments, joints, parts.walls)
-    for segment in segments:
-        if segment.type == "beam" and segment.id not in parts.absorbed:
-            parts.beams[segment.id] = make_beam(segment)
-    segments = [segment for segment in segments if segment.id not in parts.absorbed]
-    absorbed = set(parts.absorbed)
-    joints = parts.joints = tuple(joint for joint in joints if absorbed.isdisjoint(joint.segments))
-    parts.warnings += [f"{name} is the material of a corner of walls: it has no elements" for name in parts.absorbed]
-    walls = list(parts.walls.values())
-    crossings = parts.crossings = find_crossings(topology, walls, joints)
-    parts.warnings += pinch_notes(topology, crossings)
-    join_walls(topology, walls, crossings, parts.surroundings(crossings))
-    parts.arms = stand_off(topology, walls, crossings, tee_of, parts.warnings)
-    lay_outlines(topology, walls)
-    parts.joints = tuple(joint for joint in joints if joint.id not in apart)
-    candidates = [*crossing_candidates(topology, crossings), *outline_candidates(topology, walls, joints)]
-    candidates += arm_candidates(parts.arms)
-    candidates += [*footprint_candidates(parts), *lap_candidates(parts), *tangent_candidates(parts)]
-    axes, parts.seats = seats(parts)
-    candidates += axes
-    if volumes != "tet":
-        parts.sweeps, outlines = group_bricks(segments, parts.joints, parts.walls, topology)
-        candidates += outlines
-        parts.hosts = {brick.segment.id: group.host for group in parts.sweeps if group.host for brick in group.bricks}
-    imprint(topology, candidates)
-    cut_edges(parts)
+    """The idealised parts, with a warning of every choice for a joint that another one leaves without effect."""
+    tee_of = joined_tees(tee_choice(options.tee, options.joint_tees, joints), joints, torn_joints)
+    parts = idealise(segments, joints, evaluated.size, options.volumes, tee_of, torn_joints, evaluated.frame)
+    joined_choices = {name: tee for name, tee in options.joint_tees.items() if name not in torn_joints}
+    parts.warnings += unused_choices(joined_choices, joints, parts.arms)
+    parts.warnings += lost_arms(options.tee, options.joint_tees, joints, torn_joints, only)
+    parts.warnings += half_apart(parts.walls, joints, torn_joints)
     return parts
+
+
+def _ledger(
+    parts: Parts, curves: Sequence[Curve], segments: Sequence[Segment], evaluated: Evaluated
+) -> tuple[LedgerRow, ...]:
+    """What the parts count otherwise than the solid has it.
+
+    Warned of are rows of no closed form, and walls that a user asked for whose thickness is not their material's.
+    """
+    ledger = volume_ledger(parts, curves, evaluated.solid.true_volume)
+    parts.warnings += unexplained(ledger, sum(segment.volume for segment in segments))
+    pinned = [segment for segment in segments if segment.origin == "override"]
+    parts.warnings += [f"{name} {misfit}" for name, misfit in misfits(ledger, pinned).items()]
+    return ledger
+
+
+def _seeded(
+    parts: Parts,
+    pieces: Sequence[Curve],
+    hung: Sequence[HungCurve],
+    sizes: dict[str, float],
+    chosen: ChosenCurves,
+    options: MeshOptions,
+    nodes: NodeTable,
+    size: float,
+) -> list[SeededCurve]:
+    """Every curve divided once, by the sizes of the walls on it and by what the user asked of it. size: the model's."""
+    growth = None if options.growth is None else growth_rate(options.growth)
+    hosted = host_wishes(parts, pieces, sizes, options.layers, size) if options.layers else {}
+    parts.warnings += coarser_wishes(parts, pieces, hosted, chosen.walls)
+    is_free = options.order == 1 and options.per_circle is None
+    fewest = least_on_walls(parts, pieces, sizes) if is_free else {}
+    curves = seed_curves(
+        parts.topology,
+        pieces,
+        {wall.index: wall.sheet for wall in parts.walls.values()},
+        {wall.index: sizes[wall.segment.id] for wall in parts.walls.values()},
+        nodes,
+        hung,
+        SeedRules({**hosted, **chosen.walls}, growth, options.per_circle, fewest=fewest),
+    )
+    refuse_too_fine(curves, growth)
+    return curves
 
 
 def _limited(parts: Parts, segments: Sequence[Segment], only: Collection[str] | None) -> Sequence[Segment]:
@@ -258,12 +239,13 @@ def _mesh_faces(
     parts: Parts,
     by_face: CurvesByFace,
     sizes: dict[str, float],
-    kind: str,
-    growth: float | None,
-    layers: int | None,
+    options: MeshOptions,
     nodes: NodeTable,
     report: Progress,
 ) -> dict[str, FaceMesh]:
+    """Every wall's elements, by segment id; finer by and by towards curves where bricks with layers stand on it."""
+    growth = None if options.growth is None else growth_rate(options.growth)
+    kind, layers = options.faces, options.layers
     tasks = []
     hosting = {wall.segment.id for wall, _ in parts.hosts.values()}
     for name, wall in parts.walls.items():
@@ -280,13 +262,22 @@ def _mesh_faces(
     return faces
 
 
-def _blocks(name: str, face: FaceMesh) -> list[ElementBlock]:
-    found = []
-    if len(face.quads):
-        found.append(ElementBlock(name, "quad4", face.quads))
-    if len(face.triangles):
-        found.append(ElementBlock(name, "tri3", face.triangles))
-    return found
+def _blocks(
+    segments: Sequence[Segment],
+    faces: Mapping[str, FaceMesh],
+    bricks: Mapping[str, BrickMesh],
+    lines: Mapping[str, ElementBlock],
+) -> tuple[ElementBlock, ...]:
+    """The elements of every segment, in the segments' order."""
+    blocks: dict[str, list[ElementBlock]] = {segment.id: [] for segment in segments}
+    for name, face in faces.items():
+        own = (("quad4", face.quads), ("tri3", face.triangles))
+        blocks[name] += [ElementBlock(name, kind, rows) for kind, rows in own if len(rows)]
+    for name, brick in bricks.items():
+        blocks[name] += brick.blocks
+    for name, line in lines.items():
+        blocks[name].append(line)
+    return tuple(block for segment in segments for block in blocks[segment.id])
 
 
 def _curve_uses(curves: Sequence[SeededCurve]) -> np.ndarray:
