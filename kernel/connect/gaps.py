@@ -9,7 +9,6 @@ Of these the tangents alone may touch, too: along a line, or over a strip that t
 
 from __future__ import annotations
 
-from bisect import bisect_right
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -24,6 +23,7 @@ from kernel.connect.tangents import Tangent, tangents, touching_reach
 from kernel.errors import OptionError
 from kernel.segment.faces import Faces, Region, faces_of
 from kernel.segment.segments import CylinderShape, PlateShape, Segment
+from kernel.solid.boxes import BoxIndex
 from kernel.solid.surfaces import CylinderSurface, Plane, Surface
 
 if TYPE_CHECKING:
@@ -165,13 +165,13 @@ def _facing(
     for group in groups.values():
         out = [(at, row) for at, side, row in group if side > 0]
         back = sorted(((at, row) for at, side, row in group if side < 0), key=lambda item: item[0])
-        places = [at for at, _ in back]
-        for at, row in out:
-            for place in range(bisect_right(places, at + tolerance), bisect_right(places, at + reach)):
-                other = back[place][1]
-                apart = np.maximum(row.box[0], other.box[0]) - np.minimum(row.box[1], other.box[1])
-                if row.segment != other.segment and (apart <= reach).all():
-                    yield row, other, places[place] - at
+        if not out or not back:
+            continue
+        asked = np.array([row.box for _, row in out]) + np.array([[-reach], [reach]])
+        for number, place in BoxIndex([row.box for _, row in back]).pairs(asked):
+            (at, row), (there, other) = out[number], back[place]
+            if at + tolerance < there <= at + reach and row.segment != other.segment:
+                yield row, other, there - at
 
 
 def _opposite(
