@@ -190,22 +190,27 @@ def mass_text(answer: MeshAnswer) -> str:
     counted = extra.get("mass", {}).get("ledger", 0.0) / mass.solid if mass.solid else 0.0
     why = ""
     if abs(counted) > SHOWN_SHARE:
-        of_shapes = counted * _share_of_shapes(extra.get("ledger", []))
+        of = {kind: counted * share for kind, share in _shares_by_kind(extra.get("ledger", [])).items()}
+        shapes, chords = of.get("shape", 0.0), of.get("chords", 0.0)
         parts = [
-            (counted - of_shapes, "counted twice where segments meet", "left out where segments meet"),
-            (of_shapes, "more than the segments' own shapes", "less than the segments' own shapes"),
+            (counted - shapes - chords, "counted twice where segments meet", "left out where segments meet"),
+            (shapes, "more than the segments' own shapes", "less than the segments' own shapes"),
+            (chords, "added by straight edges of round holes", "cut off by straight edges and flat elements"),
         ]
         told = [f"{part:+.2%} {more if part > 0 else less}" for part, more, less in parts if abs(part) > SHOWN_SHARE]
         if told:
-            why = f", of which {' and '.join(told)}: --mass exact makes up for it".replace("%", " %")
+            why = f", of which {', '.join(told)}: --mass exact makes up for it".replace("%", " %")
     error = f"{round(mass.error, 4) + 0.0:+.2%}".replace("%", " %")
     return f"mass: solid {number(mass.solid)} {unit}, model {number(mass.model)} {unit} ({error}{why})"
 
 
-def _share_of_shapes(ledger: list[dict[str, Any]]) -> float:
-    """What segments that are not their idealised shapes count of all that the ledger's rows do."""
+def _shares_by_kind(ledger: list[dict[str, Any]]) -> dict[str, float]:
+    """What the ledger's rows of each kind count of all that its rows do."""
     whole = sum(row["volume"] for row in ledger)
-    return sum(row["volume"] for row in ledger if row["kind"] == "shape") / whole if whole else 0.0
+    found: dict[str, float] = {}
+    for row in ledger if whole else ():
+        found[row["kind"]] = found.get(row["kind"], 0.0) + row["volume"] / whole
+    return found
 
 
 def quality_lines(quality: dict[str, Any]) -> list[str]:

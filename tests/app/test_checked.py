@@ -106,3 +106,11 @@ def test_an_analyst_may_say_that_it_is_a_plate_and_is_warned(capsys, tmp_path):
     printed = capsys.readouterr()
     assert "warning: s1 (/) is 10 thick as a plate" in printed.err
     assert re.search(r"of which -7\.\d\d % less than the segments' own shapes", printed.out)
+
+
+def test_what_straight_edges_cut_off_is_not_told_as_joints(capsys, tmp_path):
+    (tmp_path / "disc.csg").write_text("P = CYL(150, 4)\nOUT P\n")
+    given = ["mesh", str(tmp_path / "disc.csg"), "-o", str(tmp_path / "a.bdf"), "--size", "30", "--per-circle", "40"]
+    assert run(given) == 0
+    (line,) = re.findall(r"mass: .*", capsys.readouterr().out)
+    assert "of which -0.41 % cut off by straight edges" in line and "where segments meet" not in line
