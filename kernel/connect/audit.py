@@ -11,7 +11,7 @@ from kernel.connect.bodies import Bodies
 from kernel.connect.model import Mpc, Rbe2
 from kernel.mesh.elements import ELEMENT_KINDS
 from kernel.mesh.order import middle_nodes
-from kernel.pieces import connected_pieces
+from kernel.pieces import connected_pieces, near_pairs
 
 if TYPE_CHECKING:
     from kernel.connect.model import Coupling, Model
@@ -75,27 +75,6 @@ def _neighbours(mesh: Mesh, nodes: set[int]) -> dict[int, set[int]]:
             for node in nodes.intersection(row):
                 around[node].update(row)
     return around
-
-
-def near_pairs(points: NDArray[np.float64], tolerance: float) -> list[tuple[int, int]]:
-    """All pairs (i < j) nearer than the tolerance, by a sweep along x: few points share so narrow a slice."""
-    order = np.lexsort((points[:, 2], points[:, 1], points[:, 0]))
-    x = points[order, 0]
-    ends = np.searchsorted(x, x + tolerance, side="right")
-    counts = ends - np.arange(len(x)) - 1
-    if counts.sum() > MAX_SLICE_PAIRS:  # many nodes in planes across x: a tree is better there
-        from scipy.spatial import cKDTree
-
-        return sorted(cKDTree(points).query_pairs(tolerance))
-    first = np.repeat(np.arange(len(x)), counts)
-    second = first + 1 + np.arange(counts.sum()) - np.repeat(np.cumsum(counts) - counts, counts)
-    near = np.linalg.norm(points[order[first]] - points[order[second]], axis=1) < tolerance
-    pairs = np.sort(np.column_stack([order[first[near]], order[second[near]]]), axis=1)
-    return sorted((int(a), int(b)) for a, b in pairs)
-
-
-MAX_SLICE_PAIRS = 2_000_000
-"""Candidates that the sweep may hold at once."""
 
 
 def edge_cracks(mesh: Mesh, curve_uses: NDArray[np.int64]) -> int:

@@ -1,4 +1,4 @@
-"""A union-find with members in order: nodes of one rigid body, walls of one row of the ledger, parallel planes."""
+"""A union-find with members in order: nodes of one rigid body, walls of one row of the ledger."""
 
 from __future__ import annotations
 

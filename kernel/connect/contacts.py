@@ -16,6 +16,7 @@ from shapely import MultiPolygon, Polygon, STRtree
 
 from kernel.connect.gaps import ClosePair, check_gap, close_pairs
 from kernel.connect.joints import Joint
+from kernel.connect.parallels import PARALLEL
 from kernel.connect.sides import FaceSide, patch_of, sides_of
 from kernel.connect.tangents import SQUARE
 from kernel.idealise.implicit import project
@@ -209,7 +210,7 @@ def _wall_kind(pair: tuple[Segment, Segment], surfaces: tuple[int, int], centre:
     assert isinstance(a, PlateShape)
     assert isinstance(b, PlateShape)
     table = pair[0].solid.surfaces
-    if np.linalg.norm(cross(a.normal, b.normal)) < 1e-5:
+    if np.linalg.norm(cross(a.normal, b.normal)) < PARALLEL:
         if surfaces[0] in a.surface_ids and surfaces[1] in b.surface_ids:
             return "lap"
         apart = a.mid_offset - b.mid_offset * float(np.sign(a.normal @ b.normal))

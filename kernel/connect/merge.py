@@ -18,13 +18,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from kernel.connect.audit import near_pairs
 from kernel.connect.bodies import Bodies
 from kernel.errors import ConnectError
 from kernel.mesh.assembly import Tie
 from kernel.mesh.elements import ELEMENT_KINDS
 from kernel.mesh.mesh import ElementBlock, Mesh
 from kernel.mesh.shapes import beyond_rim, foot_on_face, shape_values
+from kernel.pieces import near_pairs
 from kernel.solid.boxes import BoxIndex
 from kernel.units import VERTEX_TOLERANCE
 

@@ -9,8 +9,8 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from kernel.connect.bodies import Bodies
 from kernel.connect.sides import FaceSide
+from kernel.pieces import connected_pieces, near_pairs
 from kernel.segment.faces import Region
 from kernel.solid.surfaces import Plane, Surface
 
@@ -48,13 +48,9 @@ def levels(rows: Sequence[FaceSide], surfaces: Sequence[Surface]) -> list[Level]
 
 def _groups(normals: NDArray[np.float64]) -> list[int]:
     """For each of the distinct unit vectors (n, 3) the first that is parallel to it, or to one that is, and so on."""
-    from scipy.spatial import cKDTree
-
-    bodies = Bodies()
-    both = cKDTree(np.vstack([normals, -normals]))
-    for one, other in sorted(both.query_pairs(PARALLEL)):
-        bodies.join(one % len(normals), other % len(normals))
-    return [bodies.find(place) for place in range(len(normals))]
+    both = np.vstack([normals, -normals])
+    pairs = np.array(near_pairs(both, PARALLEL), dtype=np.int64).reshape(-1, 2) % len(normals)
+    return connected_pieces(len(normals), pairs[:, 0], pairs[:, 1]).tolist()
 
 
 def carried(region: Region, start: Plane, end: Plane) -> Region:

@@ -11,7 +11,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from kernel.connect.audit import connected_components, near_pairs
+from kernel.connect.audit import connected_components
 from kernel.connect.couplings import Coupled, equations_of, make_couplings, nodes_with_rotations
 from kernel.connect.equations import Expression, Freedom, rows
 from kernel.connect.facing import facing_ties
@@ -28,6 +28,7 @@ from kernel.edit.edited import (
 )
 from kernel.errors import ConnectError, OptionError
 from kernel.mesh.assembly import Tie
+from kernel.pieces import near_pairs
 from kernel.places import place_text
 
 Array = NDArray[np.float64]

@@ -231,6 +231,14 @@ def test_the_light_commands_load_no_heavy_library():
     assert done.stdout.splitlines()[-1] == "[]"
 
 
+def test_a_common_mesh_waits_for_no_scipy(tmp_path):
+    heavy = ["scipy.spatial", "scipy.sparse"]
+    code = f"import sys, app.cli; app.cli.run(sys.argv[1:]); print([m for m in {heavy} if m in sys.modules])"
+    given = ["mesh", TABLE, "-o", str(tmp_path / "a.bdf"), "--size", "100"]
+    done = subprocess.run([sys.executable, "-c", code, *given], capture_output=True, text=True, check=True)
+    assert done.stdout.splitlines()[-1] == "[]"
+
+
 def test_the_service_listens_until_it_is_stopped_and_leaves_nothing_running(tmp_path):
     command = [
         sys.executable,

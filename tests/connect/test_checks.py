@@ -7,7 +7,7 @@ import pytest
 from handmade import cantilever, grid, i_outline, model_of, shell_cantilever, solid_cantilever
 from joined import block_on_plate, half_beam_half_solid, lap_of_plates, post_on_plate
 
-from kernel.connect.audit import coincident_nodes, connected_components, edge_cracks, loose_arms, near_pairs
+from kernel.connect.audit import coincident_nodes, connected_components, edge_cracks, loose_arms
 from kernel.connect.checks import dependence
 from kernel.connect.couplings import nodes_with_rotations
 from kernel.connect.mass import block_moments, solid_moments, total
@@ -44,13 +44,6 @@ def test_coincident_nodes_count_unless_a_coupling_ties_them():
     assert coincident_nodes(model, 1e-6) == 3
     tied = replace(model, couplings=(Rbe2(6, np.array([9])),))
     assert coincident_nodes(tied, 1e-6) == 2
-
-
-def test_near_pairs_agree_with_counting_all():
-    rng = np.random.default_rng(5)
-    points = rng.integers(0, 6, (200, 3)).astype(float)
-    expected = [(i, j) for i in range(200) for j in range(i + 1, 200) if np.linalg.norm(points[i] - points[j]) < 1e-3]
-    assert near_pairs(points, 1e-3) == expected
 
 
 def test_the_crack_audit_knows_each_edge():
