@@ -145,7 +145,7 @@ class _Beside:
         radius, here = self.cylinder.radius, self.middle + 2 * np.pi * turn
         widest = float(np.arctan2(half, self.away))
         _, low, _, high = region.bounds
-        window = shapely.box((here - widest) * radius, low - 1.0, (here + widest) * radius, high + 1.0)
+        window = shapely.box((here - widest) * radius, low - radius, (here + widest) * radius, high + radius)
         part = shapely.segmentize(region.intersection(window), radius * widest / STEPS)
         return shapely.transform(part, lambda at: np.stack([self.away * np.tan(at[:, 0] / radius - here), at[:, 1]], 1))
 
@@ -164,7 +164,8 @@ def _common(
     """What the two faces have opposite one another within the strips; None where they have nothing."""
     own = beside.from_plane(patch_of(faces[row.segment], row))
     _, low, _, high = own.bounds
-    within = own.intersection(shapely.union_all([shapely.box(a, low - 1.0, b, high + 1.0) for a, b in strips]))
+    beyond = beside.cylinder.radius  # the strips run on past the face's ends
+    within = own.intersection(shapely.union_all([shapely.box(a, low - beyond, b, high + beyond) for a, b in strips]))
     if within.area == 0.0:
         return None
     region = patch_of(faces[bend.segment], bend)

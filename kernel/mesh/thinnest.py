@@ -4,7 +4,7 @@
     |        +-----+        |     is not met by a ray from its middle. Large facets are halved across their longest
     +--------+     +--------+     edge, the longest first, until they are of one size; every part sends a ray.
 
-The number of rays is bounded.
+There is one ray for each facet, and a bounded number more.
 """
 
 from __future__ import annotations
@@ -76,9 +76,9 @@ def halved(triangles: Array, most: int) -> tuple[Array, Indices]:
     lengths L / 2^(k/2) for which the parts are not too many; L is the longest edge of all. Deterministic.
     """
     parts, of_row = triangles, np.arange(len(triangles))
-    if not len(triangles):
+    limit = float(_edges(parts).max(initial=0.0))
+    if not limit:
         return parts, of_row
-    limit = float(_edges(parts).max())
     while True:
         limit *= math.sqrt(0.5)
         finer, of_finer = parts, of_row

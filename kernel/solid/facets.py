@@ -11,6 +11,7 @@ from manifold3d import Manifold, Mesh64
 from numpy.typing import NDArray
 
 from kernel.csg.tree import frozen_array
+from kernel.pieces import connected_pieces
 from kernel.solid.table import SurfaceTable
 from kernel.solid.tracked import CUTTER
 
@@ -53,15 +54,7 @@ def edge_neighbours(triangles: NDArray[np.int64], n_vertex: int) -> NDArray[np.i
 def shells_of(facets: Facets) -> NDArray[np.int64]:
     """(m,) number of the connected surface that each triangle belongs to: its smallest vertex."""
     start, end = facets.triangles.ravel(), facets.triangles[:, [1, 2, 0]].ravel()
-    label = np.arange(len(facets.vertices))
-    while True:
-        lower = label.copy()
-        np.minimum.at(lower, label[start], label[end])  # every edge is there both ways
-        while not np.array_equal(lower, lower[lower]):
-            lower = lower[lower]
-        if np.array_equal(lower, label):
-            return label[facets.triangles[:, 0]]
-        label = lower
+    return connected_pieces(len(facets.vertices), start, end)[facets.triangles[:, 0]]
 
 
 def facets_of(manifold: Manifold, table: SurfaceTable) -> Facets:

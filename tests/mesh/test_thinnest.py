@@ -68,3 +68,8 @@ def test_parts_of_triangles_cover_them_and_are_no_more_than_allowed(most):
     longest = np.linalg.norm(parts[:, [1, 2, 0]] - parts, axis=2).max(axis=1)
     if most == 3000:
         assert longest.max() < 0.1 * np.linalg.norm(corners[:, [1, 2, 0]] - corners, axis=2).max()
+
+
+def test_triangles_that_are_points_are_not_halved():
+    parts, of_row = halved(np.ones((2, 3, 3)), 10)
+    assert parts.shape == (2, 3, 3) and of_row.tolist() == [0, 1]
