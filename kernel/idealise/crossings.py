@@ -28,6 +28,10 @@ Interval = tuple[float, float]
 CURVED_OVERLAP = 0.02
 """Share of the thinner wall by which strips beside curved joints overlap the walls: more than chords deviate."""
 
+CORNER_REACH = 3.0
+"""A contact with a curved wall, found this overlap deep within the other, ends off its corner by the overlap times the
+cotangent of the angle there: at 25 degrees 2.1 of it."""
+
 MOST_PINCH = 0.5
 """Tubes that meet are given a common radius when that moves one by no more than this share of the thinner wall."""
 
@@ -193,7 +197,8 @@ def _reach(topology: Topology, crossing: Crossing, wall: Wall) -> list[Interval]
     margin += crossing.gap.get(wall.index, 0.0)
     if isinstance(carrier, TubeCurve):
         return _reach_of_lobes(topology, crossing, wall, carrier, margin)
-    touching = _along(topology, crossing, wall, slab_edges(wall, other, curve, margin))
+    corners = None if straight else _corners_on_faces(topology, crossing, wall)
+    touching = _along(topology, crossing, wall, slab_edges(wall, other, curve, margin), corners, CORNER_REACH * margin)
     within = _along(topology, crossing, wall, slab_edges(wall, other, curve, -margin)) if touching else []
     # A wall that owns a corner's material may have more of it than it touches the other's slab along.
     slack = 10 * topology.tolerance
@@ -230,11 +235,45 @@ def _reach_of_lobes(
     return merged(found, slack, carrier.period)
 
 
-def _along(topology: Topology, crossing: Crossing, wall: Wall, edges: Sequence[Array]) -> list[Interval]:
-    """The stretches of the joint curve where the wall's own section lies under lines (n, 3) beside it."""
+def _corners_on_faces(topology: Topology, crossing: Crossing, wall: Wall) -> list[Array]:
+    """Where the wall's own section has points on either side of the other's slab: parameters of the joint curve."""
+    other = crossing.other(wall)
+    points = wall.sheet.lift(shapely.get_coordinates(wall.own))
+    found = []
+    for sign in (1.0, -1.0):
+        face = offset_surface(other.sheet.surface, sign * 0.5 * other.thickness)
+        on_face = np.abs(signed_distance(face, points)) <= topology.tolerance
+        found.append(topology.carrier(crossing.carrier).parameters(points[on_face]))
+    return found
+
+
+def _to_corner(end: float, sense: float, corners: Array, limit: float, period: float | None) -> float:
+    """The end of a contact, found a little within the wall, moved to the outermost of the corners next to it.
+
+    sense: 1 for the contact's last end, -1 for its first. limit: how far a corner may lie from it.
+    """
+    away = sense * (corners - end)
+    if period is not None:
+        away -= period * np.round(away / period)
+    near = away[np.abs(away) <= limit]
+    return end + sense * float(near.max()) if len(near) else end
+
+
+def _along(
+    topology: Topology,
+    crossing: Crossing,
+    wall: Wall,
+    edges: Sequence[Array],
+    corners: Sequence[Array] | None = None,
+    limit: float = 0.0,
+) -> list[Interval]:
+    """The stretches of the joint curve where the wall's own section lies under lines (n, 3) beside it.
+
+    corners: for each line, parameters to which ends within `limit` of them belong.
+    """
     period = topology.carrier(crossing.carrier).period
     intervals: list[Interval] = []
-    for edge in edges:
+    for number, edge in enumerate(edges):
         line = windowed(wall.sheet, shapely.LineString(unwrapped(wall.sheet, edge)))
         common = line.intersection(wall.own)
         if common.is_empty:
@@ -243,7 +282,11 @@ def _along(topology: Topology, crossing: Crossing, wall: Wall, edges: Sequence[A
             if piece.geom_type != "LineString" or piece.length <= topology.tolerance:
                 continue
             values = topology.carrier(crossing.carrier).parameters(wall.sheet.lift(np.asarray(piece.coords)))
-            intervals.append(_unrolled_range(values, period))
+            first, last = _unrolled_range(values, period)
+            if corners is not None and (period is None or last - first < period - topology.tolerance):
+                first = _to_corner(first, -1.0, corners[number], limit, period)
+                last = _to_corner(last, 1.0, corners[number], limit, period)
+            intervals.append((first, last))
     return intervals
 
 

@@ -14,7 +14,7 @@ Polygons are for combinatorics only: every edge of the result is put back on its
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -22,7 +22,8 @@ import shapely
 from numpy.typing import NDArray
 from shapely import LineString, Polygon
 
-from kernel.idealise.crossings import Crossing, samples, slab_edges, whole_range
+from kernel.idealise.carriers import Line
+from kernel.idealise.crossings import CURVED_OVERLAP, Crossing, merged, samples, slab_edges, whole_range
 from kernel.idealise.outlines import (
     PolygonLike,
     Stretch,
@@ -106,7 +107,8 @@ def _region(
             lumps += around
             cutting += whole
         beyond = CUT_BEYOND * 0.5 * other.thickness
-        for start, end in [*trims, *crossing.reach[other.index]]:
+        along = [*trims, *crossing.reach[other.index]]
+        for start, end in merged(along, 10 * topology.tolerance, carrier.period):  # chords that differ leave slivers
             is_all = carrier.period is not None and end - start >= carrier.period - topology.tolerance
             more = 0.0 if is_all else beyond
             curve = samples(topology, carrier, start - more, end + more)
@@ -116,7 +118,8 @@ def _region(
             cuts.append(windowed(wall.sheet, LineString(unwrapped(wall.sheet, np.vstack(ends)))))
     own = _without_dust(topology, wall, crossings)
     held = own.difference(shapely.union_all(cutting)) if cutting else own
-    material = shapely.union_all([wall.own, *_material(wall, nearby, sections)], grid_size=grid)
+    bridged = [part for crossing in crossings for part in _bridges(topology, wall, crossing)]
+    material = shapely.union_all([wall.own, *bridged, *_material(wall, nearby, sections)], grid_size=grid)
     grown = shapely.intersection(shapely.union_all([own, *strips, *lumps], grid_size=grid), material, grid_size=grid)
     grown = shapely.union_all(parts_of(shapely.union_all([grown, *gaps], grid_size=grid)))
     if lumps:
@@ -136,6 +139,18 @@ def _region(
             kept.append(cell)
     region = shapely.union_all(kept, grid_size=grid)
     return shapely.union_all([part for part in parts_of(region) if part.area >= CRUMB * region.area])
+
+
+def _bridges(topology: Topology, wall: Wall, crossing: Crossing) -> list[PolygonLike]:
+    """What closes the slivers between the wall's own section and that of a curved wall on which it ends.
+
+    Both are polylines there, whose chords differ where the wall ends between two points of the other's.
+    """
+    other, carrier = crossing.other(wall), topology.carrier(crossing.carrier)
+    if isinstance(carrier, Line | TubeCurve):
+        return []
+    fringe = wall.own.buffer(CURVED_OVERLAP * min(wall.thickness, other.thickness), join_style="mitre")
+    return [strip(topology, wall, crossing, *ends).intersection(fringe) for ends in crossing.reach[wall.index]]
 
 
 def _without_dust(topology: Topology, wall: Wall, crossings: list[Crossing]) -> PolygonLike:
@@ -339,13 +354,28 @@ def _labels(
         rank = away - (0.5 * reach if number in preferred else 0.0)
         for k in np.nonzero((away <= reach) & (rank < best))[0]:
             best[k], labels[k] = rank[k], number
-    for k in np.nonzero(np.isinf(best))[0]:
-        a, b = points[k], points[k + 1]
+    for first, end in _straight_runs(points, np.isinf(best), 3 * topology.tolerance):
+        a, b = points[first], points[end]
         if isinstance(sheet, CylinderSheet) and abs(a[0] - b[0]) < reach:
             if min(abs(a[0] - sheet.seam), abs(a[0] - sheet.seam - sheet.turn)) < reach:
                 continue
-        labels[k] = _own_carrier(topology, sheet, a, b)
+        labels[first:end] = [_own_carrier(topology, sheet, a, b)] * (end - first)
     return labels
+
+
+def _straight_runs(points: Array, free: NDArray[np.bool_], tolerance: float) -> Iterator[tuple[int, int]]:
+    """First and last point of the longest runs of free edges that are straight within the tolerance."""
+    k = 0
+    while k < len(free):
+        end = k + 1
+        while free[k] and end < len(free) and free[end]:
+            inner = shapely.points(points[k + 1 : end + 1])
+            if shapely.distance(inner, LineString(points[[k, end + 1]])).max() > tolerance:
+                break
+            end += 1
+        if free[k]:
+            yield k, end
+        k = end
 
 
 def _own_carrier(topology: Topology, sheet: Sheet, a: Array, b: Array) -> int:

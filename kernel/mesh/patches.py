@@ -9,7 +9,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from kernel.solid.charts import flat_faces
+from kernel.solid.charts import flat_faces, over_seams
 from kernel.solid.surfaces import Surface, signed_distance
 
 Array = NDArray[np.float64]
@@ -21,6 +21,8 @@ _GAUSS = 1 / np.sqrt(3)
 @dataclass(frozen=True, slots=True, eq=False)
 class SurfaceFaces:
     """Element faces that lie on a surface. corners: node numbers of each, 3 or 4; flat: their coordinates.
+
+    Faces that reach over a seam of the surface's chart are there twice, once on each of its sides.
 
     surface: whose; tree: over the flat polygons.
     """
@@ -48,7 +50,9 @@ def faces_on(surface: Surface, groups: Sequence[Indices], points: Array, toleran
         on = np.abs(signed_distance(surface, points[used])) <= tolerance
         rows = group[on[place.reshape(group.shape)].all(axis=1)]
         unbroken, shown = flat_faces(surface, points[rows])
-        for nodes, at in zip(rows[shown], unbroken[shown]):
+        rows, unbroken = rows[shown], unbroken[shown]
+        copies, which = over_seams(surface, unbroken)  # a patch ends at the seam, on either side of it
+        for nodes, at in zip(np.concatenate([rows, rows[which]]), np.concatenate([unbroken, copies])):
             # next to where a chart tears a quad may cross itself in it: its halves do not
             is_torn = len(at) == 4 and not shapely.Polygon(at).is_valid
             halves = ([0, 1, 2], [0, 2, 3]) if is_torn else (list(range(len(at))),)

@@ -105,20 +105,42 @@ def cover(surface: Surface, triangles: Array) -> Polygon | MultiPolygon:
     """What triangles (m, 3, 3) on a cone, sphere or torus cover, in its chart."""
     flat, shown = flat_faces(surface, triangles)
     flat = flat[shown]
-    if isinstance(surface, ConeSurface):
-        turn = 2 * np.pi * _sine(surface)
-        copies = [flat @ _rotation(turn * k) for k in (-1, 0, 1)]
-    elif isinstance(surface, TorusSurface):
-        step = 2 * np.pi * np.array([surface.major_radius, surface.minor_radius])
-        copies = [flat + step * (i, j) for i in (-1, 0, 1) for j in (-1, 0, 1)]
-    else:
-        copies = [flat]
     window = _window(surface, float(np.abs(flat).max()) if len(flat) else 1.0)
-    rings = shapely.polygons(np.concatenate(copies))
+    rings = shapely.polygons(np.concatenate([flat, *_turned(surface, flat)]))
     rings = rings[shapely.is_valid(rings) & shapely.intersects(rings, window)]
     grid = ROUNDING * float(np.abs(window.bounds).max())
     whole = shapely.union_all(rings, grid_size=grid).intersection(window, grid_size=grid)
     return shapely.multipolygons([p for p in shapely.get_parts(whole) if p.geom_type == "Polygon" and p.area > 0.0])
+
+
+def over_seams(surface: Surface, flat: Array) -> tuple[Array, NDArray[np.int64]]:
+    """Copies (n, k, 2) of unbroken faces (m, k, 2) that reach over a seam, as the chart has them on its other side.
+
+    With each its place (n,) among the faces.
+    """
+    copies = _turned(surface, flat)
+    if not copies or not len(flat):
+        return flat[:0], np.empty(0, np.int64)
+    window = _window(surface, float(np.abs(flat).max()))
+    found = np.concatenate(copies)
+    rings = shapely.polygons(found)
+    area = np.abs(shapely.area(rings))
+    inside = np.zeros(len(found), dtype=bool)
+    near = np.nonzero(shapely.is_valid(rings) & shapely.intersects(rings, window))[0]
+    inside[near] = shapely.area(shapely.intersection(rings[near], window)) > ROUNDING * area[near]
+    return found[inside], np.nonzero(inside)[0] % len(flat)
+
+
+def _turned(surface: Surface, flat: Array) -> list[Array]:
+    """Faces (m, k, 2) moved by a whole turn either way, on a torus about both circles."""
+    if isinstance(surface, CylinderSurface):
+        return [flat + (2 * np.pi * surface.radius * k, 0.0) for k in (-1, 1)]
+    if isinstance(surface, ConeSurface):
+        return [flat @ _rotation(2 * np.pi * _sine(surface) * k) for k in (-1, 1)]
+    if isinstance(surface, TorusSurface):
+        step = 2 * np.pi * np.array([surface.major_radius, surface.minor_radius])
+        return [flat + step * (i, j) for i in (-1, 0, 1) for j in (-1, 0, 1) if i or j]
+    return []
 
 
 def _window(surface: Surface, reach: float) -> Polygon:
@@ -126,6 +148,8 @@ def _window(surface: Surface, reach: float) -> Polygon:
     if isinstance(surface, TorusSurface):
         width, height = np.pi * surface.major_radius, np.pi * surface.minor_radius
         return shapely.box(-width, -height, width, height)
+    if isinstance(surface, CylinderSurface):
+        return shapely.box(-np.pi * surface.radius, -2 * reach, np.pi * surface.radius, 2 * reach)
     if isinstance(surface, ConeSurface):
         angle = np.linspace(-np.pi, np.pi, 25) * _sine(surface)
         return Polygon([(0.0, 0.0), *(2.0 * reach * np.stack([np.cos(angle), np.sin(angle)], axis=1)).tolist()])

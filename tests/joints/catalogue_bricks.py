@@ -7,6 +7,8 @@ from catalogue_tubes import PIPE
 from joined_model import Joined
 from solids import cube, difference, placed, rod, tube, turned, union
 
+BLADE = cube(140, 8, 70, (40, -4, -35))
+
 BRICKS = {
     "brick over a plate's edge": Joined(union(SHEET, cube(80, 80, 60, (260, 110, 10))), "face", "brick plate"),
     "brick on a plate": Joined(union(SHEET, cube(80, 80, 60, (110, 110, 10))), "face", "brick plate"),
@@ -71,5 +73,11 @@ BRICKS = {
         union(cube(150, 150, 8), cube(8, 150, 100, (0, 0, 8)), cube(60, 60, 60, (8, 45, 8))),
         "corner face",
         "brick plate plate",
+    ),
+    "leaning blades around a hub": Joined(
+        union(rod(80, 45), *(placed(BLADE, (0, 0, 40), turned("z", a) @ turned("x", 45)) for a in (0, 90, 180, 270))),
+        "face",
+        "brick plate plate plate plate",
+        size=15.0,
     ),
 }

@@ -141,6 +141,14 @@ TUBES = {
         "lap",
         "cylinder_plate cylinder_plate plate",
     ),
+    **{
+        f"saddle plate that ends {end} off a pipe's axis": Joined(
+            union(PIPE, difference(cube(120 - end, 180, 6, (-120, -90, 100)), rod(40, 60, (0, 0, 80)))),
+            "pipe",
+            "cylinder_plate plate",
+        )
+        for end in (20, 48)
+    },
     "gussets against a pipe": Joined(
         union(
             tube(300, 60, 56),
