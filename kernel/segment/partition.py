@@ -235,9 +235,11 @@ class _Walk:
     def _operands(self, piece: Piece, operands: Sequence[Operand]) -> Outcome:
         """Every operand decided, what they share given to one of them, and clusters combined; done once."""
         if id(piece) not in self.divided:
-            outcome = _joined([self.settle(child) for child in self._children(piece, operands)])
+            children = self._children(piece, operands)
+            outcome = _joined([self.settle(child) for child in children])
             drafts = tuple(settle_overlaps(outcome.drafts))
-            self.divided[id(piece)] = (piece, self._cluster(piece, Outcome(drafts, outcome.decisions)))
+            asked = {child.path: child.solid.volume for child in children}
+            self.divided[id(piece)] = (piece, self._cluster(piece, Outcome(drafts, outcome.decisions), asked))
         return self.divided[id(piece)][1]
 
     def _children(self, piece: Piece, operands: Sequence[Operand]) -> list[Piece]:
@@ -286,15 +288,19 @@ class _Walk:
 
     # ---- clusters
 
-    def _cluster(self, piece: Piece, outcome: Outcome) -> Outcome:
-        """Drafts that the rules see as one member combined."""
+    def _cluster(self, piece: Piece, outcome: Outcome, asked: Mapping[str, float]) -> Outcome:
+        """Drafts that the rules see as one member combined.
+
+        asked: volumes of the operands by path. What is but one of them was asked about already, and beside its
+        neighbours: walls of a short tube between two others are not put together again.
+        """
         drafts = list(outcome.drafts)
         decisions = list(outcome.decisions)
         gone: set[int] = set()
         made: list[Draft] = []
         number = 0
         for cluster in find_clusters(drafts):
-            if gone.intersection(cluster.members):
+            if gone.intersection(cluster.members) or _is_operand(cluster, drafts, asked):
                 continue
             number += 1
             combined = self._try_cluster(piece, drafts, cluster, number)
@@ -321,6 +327,12 @@ class _Walk:
             return None
         sources = tuple(sorted({path for member in members for path in (member.sources or (member.path,))}))
         return Outcome((replace(draft, sources=sources),), (decision,))
+
+
+def _is_operand(cluster: Cluster, drafts: Sequence[Draft], asked: Mapping[str, float]) -> bool:
+    """Whether a cluster is all of one operand. asked: volumes of the operands by path."""
+    first, *others = {drafts[index].path for index in cluster.members}
+    return not others and first in asked and cluster.solid.volume >= (1.0 - VOLUME_TOLERANCE) * asked[first]
 
 
 def _joined(outcomes: Sequence[Outcome]) -> Outcome:

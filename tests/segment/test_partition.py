@@ -11,6 +11,7 @@ from kernel.plan import Conclusion, Need
 from kernel.segment import pieces
 from kernel.segment.segments import BeamShape, CylinderShape, PlateShape
 from kernel.segment.slabs import decompose
+from rules.engine import load_rule_base
 
 FRAME = "P = BLO(100,100,2500) UN BLO(100,100,2500) AT(MOVX=2900) UN BLO(3000,100,140) AT(MOVZ=2360)\n"
 BRACKET = (
@@ -196,3 +197,11 @@ def test_with_an_override_far_below_walls_are_not_looked_for_anew_at_every_level
     found = segmented(text, {"0.0.0.0.0": "brick"})
     assert sorted(segment.type for segment in found.segments) == ["beam"] * 5 + ["brick"]
     assert len(asked) - plain <= 2 * plain
+
+
+def test_a_tube_that_its_neighbours_make_short_is_walls_however_the_unions_nest():
+    """1000 long and 60 wide, held at 400 to 460: 540 is free."""
+    posts = [f"((BLO(60,60,1000) DIF BLO(52,52,1002) AT(MOVX=4, MOVY=4, MOVZ=-1)) AT(MOVX={x}))" for x in (0, 300)]
+    rail = "((BLO(240,60,60) DIF BLO(242,52,52) AT(MOVX=-1, MOVY=4, MOVZ=4)) AT(MOVX=60, MOVZ=400))"
+    for text in (nested([posts[0], rail, posts[1]]), f"P = {posts[0]} UN {rail} UN {posts[1]}\n"):
+        assert {segment.type for segment in segmented(text, decide=load_rule_base().decide).segments} == {"plate"}
