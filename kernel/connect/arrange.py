@@ -23,8 +23,10 @@ from kernel.mesh.assembly import Tie
 
 Array = NDArray[np.float64]
 
-FLATNESS = 1e-4
-"""A patch whose width is less than this times its length is a line: translations on it define no rotation about it."""
+FLATNESS = 1e-3
+"""A patch whose width is less than this times its length is a line: translations on it define no rotation about it.
+
+Both as the weights count them. The rotation's error is rounding over the square of this: 1e-10."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -159,11 +161,11 @@ class Arrangement:
         for average in self._averages:
             own = self._joined.find(average.node)
             free = [n not in dependents and self._joined.find(n) != own for n in average.patch.tolist()]
-            patch = average.patch[np.array(free, dtype=bool)]
-            if not self.is_rigid(average.tie) and defines_rotation(self.nodes[patch]):
-                kept.append(replace(average, patch=patch, weights=average.weights[np.array(free, dtype=bool)]))
+            patch, weights = (own[np.array(free, dtype=bool)] for own in (average.patch, average.weights))
+            if not self.is_rigid(average.tie) and defines_rotation(self.nodes[patch], weights):
+                kept.append(replace(average, patch=patch, weights=weights))
                 continue
-            if not self.is_rigid(average.tie) and defines_rotation(self.nodes[average.patch]):
+            if not self.is_rigid(average.tie) and defines_rotation(self.nodes[average.patch], average.weights):
                 self.notes.append(f"{joint_of(average.tie)}: rigid, for most of its patch depends on another joint")
             self._join(average)
         changed = len(kept) < len(self._averages)
@@ -218,11 +220,15 @@ class Arrangement:
         return kept
 
 
-def defines_rotation(points: Array) -> bool:
-    """Three points or more that do not lie on one line, so that their translations define a rigid motion."""
-    if len(points) < 3:
+def defines_rotation(points: Array, weights: Array) -> bool:
+    """Three points or more that do not lie on one line, so that their translations define a rigid motion.
+
+    points: (n, 3); weights: (n,), positive: a point beside the line counts for nothing where its weight is nothing.
+    """
+    if len(points) < 3 or not weights.sum() > 0.0:
         return False
-    arms = points - points.mean(axis=0)
+    share = weights / weights.sum()
+    arms = (points - share @ points) * np.sqrt(share)[:, None]
     lengths = np.linalg.svd(arms, compute_uv=False)
     return bool(lengths[1] > FLATNESS * lengths[0])
 

@@ -42,6 +42,9 @@ END_ON = 0.9
 END_IN = 0.4
 """The same on cones, spheres and tori, which no beam lies along: it ends in them, or they sit around it."""
 
+ALONG = 1e-6
+"""A beam lies along a wall when it leans on its mid-surface, or on a tube's axis, by no more than this sine."""
+
 AROUND = 0.25
 """Of two coaxial tubes' thicknesses: with mid-surfaces further apart than this one is around the other, nearer they
 go on in one another. It is 0.5 where they only touch."""
@@ -175,7 +178,10 @@ def _kind(
     if beams:
         is_ruled = isinstance(pair[0].solid.surfaces.surfaces[surfaces[0]], Plane | CylinderSurface)
         least = END_ON if is_ruled else END_IN
-        return "end_on" if any(abs(beam.direction @ normal) > least for beam in beams) else "along"
+        if any(abs(beam.direction @ normal) > least for beam in beams):
+            return "end_on"
+        walls = [segment.shape for segment in pair if isinstance(segment.shape, PlateShape | CylinderShape)]
+        return "end_on" if any(_leans(beams[0], wall) for wall in walls) else "along"
     if any(isinstance(segment.shape, BrickShape) for segment in pair):
         return "face"
     tubes = [segment.shape for segment in pair if isinstance(segment.shape, CylinderShape)]
@@ -184,6 +190,13 @@ def _kind(
     if tubes:
         return "lap" if _lies_along(pair, normal) else "pipe"
     return _wall_kind(pair, surfaces, centre, middles)
+
+
+def _leans(beam: BeamShape, wall: PlateShape | CylinderShape) -> bool:
+    """Whether a beam cannot lie along a wall, for it is not parallel to its mid-surface: one ends on the other."""
+    if isinstance(wall, PlateShape):
+        return bool(abs(beam.direction @ wall.normal) > ALONG)
+    return bool(np.linalg.norm(np.cross(beam.direction, wall.axis.direction)) > ALONG)
 
 
 def _is_around(one: CylinderShape, other: CylinderShape, surface: Surface) -> bool:

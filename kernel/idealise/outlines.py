@@ -15,6 +15,7 @@ import shapely
 from numpy.typing import NDArray
 from shapely import MultiPolygon, Polygon
 
+from kernel.errors import ConnectError
 from kernel.idealise.carriers import Carrier, Circle, Line, Traced, distance_to
 from kernel.idealise.implicit import project
 from kernel.idealise.intersections import intersection
@@ -23,6 +24,7 @@ from kernel.idealise.topology import Topology
 from kernel.idealise.tube_curve import TubeCurve
 from kernel.solid.surfaces import Axis, CylinderSurface, FacetedSurface, Plane, Surface, cross
 from kernel.solid.table import SurfaceTable
+from kernel.units import ANGLE_TOLERANCE
 
 Array = NDArray[np.float64]
 SEAM_GRID = 1e-9
@@ -110,11 +112,22 @@ def trace_ring(
         guide = guides[position]
         if len(guide) == 2 and math.dist(first, last) <= topology.tolerance:
             continue
+        _refuse_parallel(topology, sheet, surfaces[labels[begin]], guide)
         straight = isinstance(sheet, PlaneSheet)
         own = project(guide, (sheet.surface,)) if isinstance(surfaces[labels[begin]], FacetedSurface) else guide
         number = intersection(topology.carriers, surfaces, sheet.surface_id, int(labels[begin]), own, straight=straight)
         ring.append(stretch_between(topology, number, first, last, 0.5 * (guide[:-1] + guide[1:])))
     return ring
+
+
+def _refuse_parallel(topology: Topology, sheet: Sheet, surface: Surface, guide: Array) -> None:
+    """ConnectError where a face that is to bound a contact on the sheet is parallel to it: nothing tells where."""
+    if isinstance(sheet, PlaneSheet) and isinstance(surface, Plane):
+        if not np.abs(cross(sheet.normal, surface.normal)).max() > ANGLE_TOLERANCE:
+            raise ConnectError(
+                f"a contact near {topology.place_text(guide[0])} ends at a face parallel to the mid-surface that it is "
+                "brought onto, expected one that crosses it"
+            )
 
 
 def _reach(points: Array, index: int) -> float:

@@ -207,16 +207,17 @@ def test_an_unknown_coupling_is_refused():
 
 
 @pytest.mark.parametrize(
-    ("points", "does"),
+    ("points", "weights", "does"),
     [
-        ([[0, 0, 0], [1, 0, 0]], False),
-        ([[0, 0, 0], [1, 0, 0], [2, 0, 0], [5, 0, 0]], False),
-        ([[0, 0, 0], [1, 0, 0], [0, 1, 0]], True),
-        ([[0, 0, 0]], False),
+        ([[0, 0, 0], [1, 0, 0]], [1, 1], False),
+        ([[0, 0, 0], [1, 0, 0], [2, 0, 0], [5, 0, 0]], [1, 2, 1, 1], False),
+        ([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [1, 1, 1], True),
+        ([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [1, 1, 1e-9], False),
+        ([[0, 0, 0]], [1], False),
     ],
 )
-def test_translations_on_a_line_define_no_rotation(points, does):
-    assert defines_rotation(np.array(points, float)) is does
+def test_translations_on_a_line_define_no_rotation(points, weights, does):
+    assert defines_rotation(np.array(points, float), np.array(weights, float)) is does
 
 
 @settings(max_examples=60, deadline=None)

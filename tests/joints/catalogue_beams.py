@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from joined_model import Joined
-from solids import cube, difference, extrusion, rod, tube, turned, union
+from solids import cube, difference, extrusion, placed, rod, tube, turned, union
 
 
 def i_bar(length, at=(0.0, 0.0, 0.0), turn=None) -> str:
@@ -137,6 +137,20 @@ BEAMS = {
     ),
     "brace through a plate": Joined(
         union(cube(240, 200, 10), cube(20, 20, 600, (20, 90, -250), turned("y", 25))), "end_on", "beam beam plate"
+    ),
+    "tread on a leaning stringer": Joined(
+        union(
+            placed(cube(1200, 40, 60), turn=turned("y", -35)),
+            cube(200, 400, 8, (400, 40, 300)),
+        ),
+        "end_on",
+        "beam plate",
+        {"0": "beam"},
+    ),
+    "bar across a pipe's wall, off its axis": Joined(
+        union(tube(85, 42, 38, (0, 0, 0)), cube(300, 12, 12, (-333, 21, 30))),
+        "end_on",
+        "beam cylinder_plate",
     ),
     "bar along a pipe": Joined(
         union(tube(300, 60, 56), difference(cube(24, 24, 300, (50, -12, 0)), rod(400, 58, (0, 0, -50)))),
