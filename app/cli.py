@@ -15,6 +15,7 @@ import typer
 
 from app import cli_edits, cli_mesh, cli_rules, texts
 from app.cli_arguments import GapOption, JsonOption, ModelArgument, OverrideOption, RulesOption, UnitsOption, overrides
+from app.collector import collect_rarely
 from app.output import check_writable, write_files
 from kernel.errors import CsgmeshError
 from kernel.numeric.notice import when_compiling
@@ -164,6 +165,7 @@ def main() -> None:
     """The console script."""
     signal.signal(signal.SIGTERM, _stop)
     when_compiling(_say_compiling)
+    collect_rarely()
     sys.exit(run(sys.argv[1:]))
 
 

@@ -17,6 +17,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
 
 from app.artifacts import Artifacts
+from app.collector import collect_rarely
 from kernel.errors import DefectError
 
 if TYPE_CHECKING:
@@ -253,6 +254,7 @@ def serve_tasks(connection: Connection, artifacts_folder: str) -> None:
         os.setsid()  # a group of its own, so that the children of a task can be stopped with it
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     signal.signal(signal.SIGTERM, _stop)
+    collect_rarely()
     artifacts = Artifacts(Path(artifacts_folder))
     with contextlib.suppress(EOFError, BrokenPipeError, ConnectionResetError):
         while True:

@@ -17,6 +17,7 @@ import time
 from collections import Counter
 from collections.abc import Callable
 
+from app.collector import collect_rarely
 from app.pipeline import classify, mesh, write_deck
 from kernel.csg.reader import read_model
 from kernel.deck.deck import formats
@@ -116,6 +117,7 @@ def main() -> None:
     profile = cProfile.Profile(time.process_time)  # the machine may be busy with other work
     if arguments.profile:
         profile.enable()
+    collect_rarely()  # as the command line does
     start, cpu = time.perf_counter(), time.process_time()
     csg = read_model(text, "frame.csg")
     reading = time.perf_counter() - start

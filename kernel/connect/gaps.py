@@ -21,7 +21,7 @@ from kernel.connect.parallels import carried, levels
 from kernel.connect.sides import FaceSide, patch_of, sides_of
 from kernel.connect.tangents import Tangent, tangents, touching_reach
 from kernel.errors import OptionError
-from kernel.segment.faces import Faces, Region, faces_of
+from kernel.segment.faces import Region, faces_of
 from kernel.segment.segments import CylinderShape, PlateShape, Segment
 from kernel.solid.boxes import BoxIndex
 from kernel.solid.surfaces import CylinderSurface, Plane, Surface
@@ -66,10 +66,15 @@ def close_pairs(
     faces = [faces_of(segment.solid) for segment in segments]
     rows = [row for index, of_segment in enumerate(faces) for row in sides_of(index, of_segment)]
     found = []
+    patches_of: dict[int, Region] = {}  # by id of a row, all of which are held: a floor's face looks at thousands
     for inner, outer, gap in _facing(rows, table.surfaces, table.tolerance, reach) if reach else ():
         pair = (inner, outer) if inner.segment < outer.segment else (outer, inner)
         if (pair[0].segment, pair[1].segment) not in joined:
-            patches = _opposite(faces, pair, table.surfaces)
+            for row in pair:
+                if id(row) not in patches_of:
+                    patches_of[id(row)] = patch_of(faces[row.segment], row)
+            own = (patches_of[id(pair[0])], patches_of[id(pair[1])])
+            patches = _opposite(own, pair, table.surfaces)
             if patches[0].area > reach**2:
                 found.append(ClosePair(pair, gap, patches))
     within = tangents(rows, faces, table.surfaces, table.tolerance, lambda c: reach + touching_reach(c), joined)
@@ -175,10 +180,10 @@ def _facing(
 
 
 def _opposite(
-    faces: Sequence[Faces], pair: tuple[FaceSide, FaceSide], surfaces: Sequence[Surface]
+    patches: tuple[Region, Region], pair: tuple[FaceSide, FaceSide], surfaces: Sequence[Surface]
 ) -> tuple[Region, Region]:
-    """What two faces have opposite each other, in the coordinates of each one's surface."""
-    one, other = (patch_of(faces[row.segment], row) for row in pair)
+    """What two faces, with these patches, have opposite each other, in the coordinates of each one's surface."""
+    one, other = patches
     first, second = (surfaces[row.surface] for row in pair)
     if isinstance(first, CylinderSurface) and isinstance(second, CylinderSurface):
         common = one.intersection(_scaled(other, first.radius / second.radius))
