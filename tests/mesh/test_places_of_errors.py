@@ -12,9 +12,10 @@ from planar_regions import hole, rectangle, region
 from shapely import Point
 
 from kernel.errors import MeshError
+from kernel.idealise import idealise
 from kernel.idealise.brick import Piece
 from kernel.idealise.sheets import CylinderSheet, PlaneSheet
-from kernel.mesh import assemble, faces
+from kernel.mesh import faces
 from kernel.mesh.planar import mesh_region
 from kernel.mesh.region import RegionError
 from kernel.solid.surfaces import Axis, CylinderSurface, Plane
@@ -75,7 +76,7 @@ LEANING = placed(cube(60, 40, 20), (10, 20, 30), turned("x", 20) @ turned("y", 3
 @pytest.fixture
 def with_a_sliver(monkeypatch: pytest.MonkeyPatch) -> None:
     """A brick's stack with one more piece, narrower than any element, near the middle of its first outline."""
-    group_bricks = assemble.group_bricks
+    group_bricks = idealise.group_bricks
 
     def slivered(*given):
         groups, outlines = group_bricks(*given)
@@ -86,7 +87,7 @@ def with_a_sliver(monkeypatch: pytest.MonkeyPatch) -> None:
         groups[0].bricks[0] = type(brick)(brick.segment, (*brick.pieces, Piece(first.start, first.end, sliver)))
         return groups, outlines
 
-    monkeypatch.setattr(assemble, "group_bricks", slivered)
+    monkeypatch.setattr(idealise, "group_bricks", slivered)
 
 
 @pytest.mark.usefixtures("with_a_sliver")
