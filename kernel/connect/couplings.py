@@ -24,6 +24,7 @@ from kernel.idealise.torsion import Warping
 from kernel.mesh.assembly import Tie
 from kernel.mesh.elements import ELEMENT_KINDS
 from kernel.mesh.mesh import Mesh
+from kernel.mesh.shapes import doubled_normals
 
 Array = NDArray[np.float64]
 
@@ -245,12 +246,9 @@ def _shell_rotation(item: Interpolation, nodes: Array) -> list[Expression]:
 def _normal_of(places: Array) -> Array | None:
     """Unit normal of a shell's element with its nodes at `places` (n, 3), corners first; None of nodes on an edge."""
     corners = places[: len(places) // 2] if len(places) > 4 else places  # tri6 and quad8 have their middles last
-    if len(corners) == 4:
-        normal = np.cross(corners[2] - corners[0], corners[3] - corners[1])
-    elif len(corners) == 3:
-        normal = np.cross(corners[1] - corners[0], corners[2] - corners[0])
-    else:
+    if len(corners) < 3:
         return None
+    normal = doubled_normals(corners[None])[0]
     length = float(np.linalg.norm(normal))
     return normal / length if length > ROUNDING * float(np.ptp(places, axis=0).max()) ** 2 else None
 

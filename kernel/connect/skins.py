@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from kernel.mesh.bricks import outer_faces
 from kernel.mesh.elements import ELEMENT_KINDS
 from kernel.mesh.mesh import ElementBlock
-from kernel.mesh.shapes import beyond_rim, foot_on_face, shape_values
+from kernel.mesh.shapes import beyond_rim, doubled_normals, foot_on_face, shape_values
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
@@ -110,7 +110,7 @@ class Skin:
     @property
     def area(self) -> float:
         """Of all faces."""
-        return float(sum(np.linalg.norm(_doubled(part.at), axis=1).sum() / 2 for part in self.faces))
+        return float(sum(np.linalg.norm(doubled_normals(part.at), axis=1).sum() / 2 for part in self.faces))
 
     @property
     def bulge(self) -> float:
@@ -206,17 +206,10 @@ class Skin:
         return beyond, Foot(part.corners[row], weights / weights.sum(), normal, height)
 
 
-def _doubled(at: Array) -> Array:
-    """(m, 3) normals of triangles or quads (m, k, 3), as long as twice their areas."""
-    if at.shape[1] == 3:
-        return np.cross(at[:, 1] - at[:, 0], at[:, 2] - at[:, 0])
-    return np.cross(at[:, 2] - at[:, 0], at[:, 3] - at[:, 1])
-
-
 def _with_normals(groups: Sequence[Indices], points: Array) -> tuple[Faces, ...]:
     """The skin's normals at the corners: averages over the faces there that are chords of one round skin."""
     places = [points[group] for group in groups]
-    own = [_doubled(at) for at in places]
+    own = [doubled_normals(at) for at in places]
     node = np.concatenate([group.ravel() for group in groups])
     long = np.concatenate([np.repeat(doubled, group.shape[1], axis=0) for doubled, group in zip(own, groups)])
     unit = long / np.linalg.norm(long, axis=1, keepdims=True)

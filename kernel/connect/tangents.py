@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 
 from kernel.connect.sides import FaceSide, patch_of
 from kernel.segment.faces import Faces, Region
+from kernel.segment.slices import parts_of
 from kernel.solid.boxes import BoxIndex
 from kernel.solid.lathe import SAGITTA
 from kernel.solid.surfaces import CylinderSurface, Plane, Surface
@@ -179,21 +180,17 @@ def _common(
             bent.append(beside.to_cylinder(common, turn, half))
     if not flat:
         return None
-    common = _polygons(shapely.union_all(flat))
+    common = shapely.multipolygons(parts_of(shapely.union_all(flat)))
     gaps = [beside.gap(across) for across in _breadth(common)]
     return Tangent(
         flat=row,
         round=bend,
         flat_patch=beside.to_plane(common),
-        round_patch=_polygons(shapely.union_all(bent)),
+        round_patch=shapely.multipolygons(parts_of(shapely.union_all(bent))),
         least=min(gaps),
         most=max(gaps),
         share=float(common.area / own.area),
     )
-
-
-def _polygons(region: Region) -> Region:
-    return shapely.multipolygons([part for part in shapely.get_parts(region) if part.geom_type == "Polygon"])
 
 
 def _breadth(region: Region) -> tuple[float, ...]:

@@ -83,10 +83,7 @@ def _enclosed(wall: Wall, curves: Sequence[SeededCurve], nodes: Array, middles: 
         first, last = wall.sheet.flat(nodes[chain[:-1]]), wall.sheet.flat(nodes[chain[1:]])
         along = _way(wall.sheet, first, last)
         low = first + 0.5 * along
-        if wall.sheet.turn is None:
-            area += 0.5 * float((first[:, 0] * along[:, 1] - first[:, 1] * along[:, 0]).sum())
-        else:
-            area -= float((along[:, 0] * low[:, 1]).sum())
+        area -= float((along[:, 0] * low[:, 1]).sum())
         if middles:
             pairs = zip(np.minimum(chain[:-1], chain[1:]).tolist(), np.maximum(chain[:-1], chain[1:]).tolist())
             bulge = _way(wall.sheet, low, wall.sheet.flat(nodes[[middles[pair] for pair in pairs]]))

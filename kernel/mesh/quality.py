@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from kernel.errors import MeshError
 from kernel.mesh.elements import ELEMENT_KINDS, ElementKind
 from kernel.mesh.mesh import ElementBlock, Mesh
-from kernel.mesh.shapes import corner_rule, family, jacobians
+from kernel.mesh.shapes import corner_rule, doubled_normals, family, jacobians
 
 Array = NDArray[np.float64]
 
@@ -143,9 +143,7 @@ def _tangent(kind: ElementKind, places: Array, corner: int, other: int) -> Array
 
 def _normal(corners: Array) -> Array:
     """(n_element, 3) mean normal of triangles or quads, of unit length; zero where there is none."""
-    if corners.shape[1] == 3:
-        return _unit(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]))
-    return _unit(np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1]))
+    return _unit(doubled_normals(corners))
 
 
 def _unit(vectors: Array) -> Array:
@@ -171,10 +169,10 @@ def _aspect(name: str, places: Array, lengths: Array) -> Array:
     longest = lengths.max(axis=1)
     with np.errstate(divide="ignore", invalid="ignore"):
         if name == "tri":
-            doubled = np.linalg.norm(np.cross(places[:, 1] - places[:, 0], places[:, 2] - places[:, 0]), axis=1)
+            doubled = np.linalg.norm(doubled_normals(places[:, :3]), axis=1)
             return longest * lengths.sum(axis=1) / (2 * np.sqrt(3) * doubled)
         if name == "quad":
-            doubled = np.linalg.norm(np.cross(places[:, 2] - places[:, 0], places[:, 3] - places[:, 1]), axis=1)
+            doubled = np.linalg.norm(doubled_normals(places[:, :4]), axis=1)
             return longest * lengths.sum(axis=1) / (2 * doubled)
         if name == "tet":
             a, b, c = (places[:, k] - places[:, 0] for k in (1, 2, 3))

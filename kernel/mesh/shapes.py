@@ -127,6 +127,13 @@ def measures(jacobian: Array) -> Array:
     return np.linalg.det(jacobian)
 
 
+def doubled_normals(corners: Array) -> Array:
+    """(n, 3) normals of triangles or quads (n, 3 or 4, 3), as long as twice their areas; of quads the mean one."""
+    if corners.shape[1] == 3:
+        return np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    return np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1])
+
+
 def _powers(points: Array, terms: NDArray[np.int64]) -> Array:
     return np.prod(points[:, None, :] ** terms[None, :, :], axis=2)
 
