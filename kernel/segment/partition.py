@@ -81,11 +81,22 @@ def partition(
     pins = pin(evaluated.model.root, overrides)
     walker = _Walk(evaluated, decide, pins)
     piece = Piece(evaluated.solid, root.path, root.path, "root", 0, root.node.name, operand=root if use_tree else None)
-    sys.setrecursionlimit(max(sys.getrecursionlimit(), 1000 + CALLS_PER_LEVEL * MAX_TREE_DEPTH))
-    outcome = walker.settle(piece)
+    with _room_for_depth():
+        outcome = walker.settle(piece)
     _check_volume(outcome.drafts, evaluated.solid)
     segments = _numbered(outcome.drafts, evaluated)
     return Partition(segments, Plan(outcome.decisions, overrides))
+
+
+@contextmanager
+def _room_for_depth() -> Iterator[None]:
+    """As many calls in one another as the deepest tree takes; the caller's own limit holds again afterwards."""
+    before = sys.getrecursionlimit()
+    sys.setrecursionlimit(before + CALLS_PER_LEVEL * MAX_TREE_DEPTH)
+    try:
+        yield
+    finally:
+        sys.setrecursionlimit(before)
 
 
 @contextmanager

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import sys
+
 import pytest
 from segmenting import plain_decide, segmented
 
@@ -177,6 +179,8 @@ def nested(solids: list[str]) -> str:
 
 
 def test_a_tree_as_deep_as_can_be_read_is_taken_apart():
+    limit = sys.getrecursionlimit()
+
     def split_unions(facts):
         return Conclusion("split" if facts["operand_count"] > 1 else "brick", "plain", 1.0, "it is a test")
 
@@ -184,6 +188,7 @@ def test_a_tree_as_deep_as_can_be_read_is_taken_apart():
         nested([f"BLO(10,10,300) AT(MOVX={100 * k})" for k in range(MAX_TREE_DEPTH)]), decide=split_unions
     )
     assert len(found.segments) == MAX_TREE_DEPTH
+    assert sys.getrecursionlimit() == limit
 
 
 def test_with_an_override_far_below_walls_are_not_looked_for_anew_at_every_level(monkeypatch):
