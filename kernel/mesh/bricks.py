@@ -303,6 +303,8 @@ def _tetrahedra(segment: Segment, size: float, deadline: float, nodes: NodeTable
         raise MeshError(f"{segment.id} ({segment.node}): {error.message}") from error
     numbers = nodes.add(body.nodes)
     block = ElementBlock(segment.id, "tet4", numbers[body.tets])
+    if body.left:
+        how += f"; {body.left} of their nodes stand beside the solid's surface, where no room was to move them"
     return BrickMesh((block,), np.empty((0, 2), np.int64), numbers[body.edges], body.middles, how)
 
 

@@ -14,6 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kernel.mesh.boundary import boundary_triangles, nearest_facets
+from kernel.mesh.collapse import without_short_edges
+from kernel.mesh.tets import tet_shapes
 from kernel.solid.brep import Brep, brep_of
 from kernel.solid.solid import Solid
 from kernel.solid.surfaces import FacetedSurface, Surface, outward, signed_distance
@@ -22,12 +24,16 @@ Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
 REACH = 3.0
-"""A node moves at most this many envelopes, and at most REACH_OF_EDGE of its shortest boundary edge."""
+"""A node moves at most this many envelopes, and at most REACH_OF_EDGE of its shortest boundary edge where it can be put
+on all of its faces, or on one, that way."""
 
 REACH_OF_EDGE = 0.45
 
 LEAST_SHAPE = 0.1
 """A tet's shape (1 for the regular one) may sink to this share of what it was, or to LEAST_SHAPE, not further."""
+
+ROUNDS = 3
+"""Times that short boundary edges are drawn together where nodes stay beside their surface."""
 
 SHARES = (1.0, 0.75, 0.5, 0.25, 0.0)
 """Shares of a move that are tried in turn."""
@@ -39,7 +45,8 @@ ON_SURFACE = 1e-9
 @dataclass(frozen=True, slots=True, eq=False)
 class FittedTets:
     """nodes (n, 3) and tets (k, 4); edges (e, 2): boundary edges as sorted node pairs, middles (e, 3) their mid-side
-    nodes on the true surfaces. left: number of boundary nodes that stay off their surface.
+    nodes on the true surfaces. left: number of boundary nodes that stand on no surface of their faces, or not as
+    near to where they belong as they should.
     face_areas: area of the boundary triangles on each face of the solid.
     """
 
@@ -54,13 +61,31 @@ class FittedTets:
 def fit(solid: Solid, nodes: Array, tets: Indices, envelope: float) -> FittedTets:
     """Boundary nodes onto the solid's true surfaces; envelope: how far from the facets the boundary may be."""
     brep = brep_of(solid)
+    fitted, left = _fit(brep, solid.size, nodes, tets, envelope)
+    for _ in range(ROUNDS):
+        if not len(left):
+            break
+        fewer, kept = without_short_edges(nodes, tets, left, REACH * envelope, LEAST_SHAPE)
+        if len(kept) == len(tets):
+            break
+        nodes, tets = fewer, kept
+        again, still = _fit(brep, solid.size, nodes, tets, envelope)
+        if len(still) >= len(left):
+            break
+        fitted, left = again, still
+    return fitted
+
+
+def _fit(brep: Brep, size: float, nodes: Array, tets: Indices, envelope: float) -> tuple[FittedTets, Indices]:
+    """The mesh with its boundary moved, and the nodes that are left beside their surfaces."""
     triangles = boundary_triangles(tets)
     labels = _labels(brep, nodes, triangles)
-    targets = _targets(brep, solid.size, nodes, triangles, labels, envelope)
-    fitted, left = _moved(nodes, tets, targets, ON_SURFACE * solid.size)
-    edges, middles = _middles(brep, solid.size, fitted, triangles, labels)
+    targets = _targets(brep, size, nodes, triangles, labels, envelope)
+    fitted, held = _moved(nodes, tets, targets, ON_SURFACE * size)
+    left = np.union1d(held, _astray(brep, size, targets, triangles, labels))
+    edges, middles = _middles(brep, size, fitted, triangles, labels)
     areas = np.bincount(labels, _areas(fitted, triangles), minlength=len(brep.faces)).astype(np.float64)
-    return FittedTets(fitted, tets, edges, middles, left, areas)
+    return FittedTets(fitted, tets, edges, middles, len(left), areas), left
 
 
 def _areas(nodes: Array, triangles: Indices) -> Array:
@@ -91,24 +116,40 @@ def _targets(
     brep: Brep, size: float, nodes: Array, triangles: Indices, labels: Indices, envelope: float
 ) -> dict[int, Array]:
     """Where each boundary node belongs: node -> place."""
-    shortest = _shortest_edges(nodes, triangles)
-    reach = np.minimum(REACH * envelope, REACH_OF_EDGE * shortest)
     unique, faces = _faces_at(triangles.ravel(), np.repeat(labels, 3))
     places = nodes[unique].copy()
-    limit = reach[unique]
+    shortest = _shortest_edges(nodes, triangles)[unique]
+    limit = np.minimum(REACH * envelope, REACH_OF_EDGE * shortest)
     by_faces: dict[tuple[int, ...], list[int]] = {}
     for row, group in enumerate(faces):
         by_faces.setdefault(group, []).append(row)
     for group, rows in sorted(by_faces.items()):
-        places[rows] = _settle(brep, size, nodes[unique[rows]], group, limit[rows])
+        near = _settle(brep, size, nodes[unique[rows]], group, limit[rows])
+        # beside a very short edge a way of an envelope is not short: the shape of the tets alone bounds it
+        off = ~_stand_on(brep, size, near, group)
+        near[off] = _settle(brep, size, near[off], group, np.full(int(off.sum()), REACH * envelope))
+        places[rows] = near
     _take_corners(brep, nodes, unique, faces, places, limit)
     return dict(zip(unique.tolist(), places))
+
+
+def _astray(brep: Brep, size: float, targets: dict[int, Array], triangles: Indices, labels: Indices) -> Indices:
+    """The boundary nodes that have no place on any of their faces' surfaces."""
+    unique, faces = _faces_at(triangles.ravel(), np.repeat(labels, 3))
+    by_faces: dict[tuple[int, ...], list[int]] = {}
+    for node, group in zip(unique.tolist(), faces):
+        by_faces.setdefault(group, []).append(node)
+    astray = [np.empty(0, np.int64)]
+    for group, rows in sorted(by_faces.items()):
+        places = np.array([targets[node] for node in rows])
+        astray.append(np.array(rows, np.int64)[~_stand_on(brep, size, places, group)])
+    return np.concatenate(astray)
 
 
 def _settle(brep: Brep, size: float, points: Array, faces: tuple[int, ...], limit: Array) -> Array:
     """Points onto all of the faces' surfaces, or where that is too far or has no solution, onto the first that is near.
 
-    Faces on one surface count once.
+    limit (n,): how far each may move. Faces on one surface count once.
     """
     surfaces = {brep.faces[face].surface_id: brep.faces[face].surface for face in faces}
     wanted = [surfaces[number] for number in sorted(surfaces)]
@@ -146,6 +187,15 @@ def onto(
     return place, np.asarray(np.abs(distance).max(axis=1) < ON_SURFACE * size)
 
 
+def _stand_on(brep: Brep, size: float, points: Array, faces: tuple[int, ...]) -> NDArray[np.bool_]:
+    """(n,) which points stand on the surface of one of the faces; on a faceted one they count as standing."""
+    on = np.zeros(len(points), bool)
+    for face in faces:
+        surface = brep.faces[face].surface
+        on |= isinstance(surface, FacetedSurface) or np.abs(signed_distance(surface, points)) < 10.0 * ON_SURFACE * size
+    return on
+
+
 def _take_corners(
     brep: Brep, nodes: Array, unique: Indices, faces: list[tuple[int, ...]], places: Array, limit: Array
 ) -> None:
@@ -177,16 +227,8 @@ def _shortest_edges(nodes: Array, triangles: Indices) -> Array:
     return shortest
 
 
-def tet_shapes(nodes: Array, tets: Indices) -> Array:
-    """(k,) 1 for the regular tet, 0 for a flat one, negative inside out: volume over cubed root mean square edge."""
-    p = nodes[tets]
-    volume = np.einsum("ij,ij->i", p[:, 1] - p[:, 0], np.cross(p[:, 2] - p[:, 0], p[:, 3] - p[:, 0])) / 6.0
-    square = sum(np.einsum("ij,ij->i", p[:, a] - p[:, b], p[:, a] - p[:, b]) for a in range(4) for b in range(a))
-    return 6.0 * np.sqrt(2.0) * volume / np.maximum((square / 6.0) ** 1.5, np.finfo(float).tiny)
-
-
-def _moved(nodes: Array, tets: Indices, targets: dict[int, Array], near: float) -> tuple[Array, int]:
-    """Nodes at their targets as far as the tets allow, and how many are not there."""
+def _moved(nodes: Array, tets: Indices, targets: dict[int, Array], near: float) -> tuple[Array, Indices]:
+    """Nodes at their targets as far as the tets allow, and those that are not there."""
     rows = np.fromiter(targets.keys(), np.int64, len(targets))
     move = np.array(list(targets.values())).reshape(-1, 3) - nodes[rows]
     before = tet_shapes(nodes, tets)
@@ -204,7 +246,7 @@ def _moved(nodes: Array, tets: Indices, targets: dict[int, Array], near: float) 
     else:
         now = nodes.copy()
     held = (level[rows] > 0) & (np.linalg.norm(move, axis=1) > near)
-    return now, int(held.sum())
+    return now, rows[held]
 
 
 def _middles(brep: Brep, size: float, nodes: Array, triangles: Indices, labels: Indices) -> tuple[Indices, Array]:

@@ -162,6 +162,15 @@ def tet_volumes(nodes: NDArray[np.float64], tets: NDArray[np.int64]) -> NDArray[
     return signed
 
 
+def tet_shapes(nodes: NDArray[np.float64], tets: NDArray[np.int64]) -> NDArray[np.float64]:
+    """(k,) 1 for the regular tet, 0 for a flat one, negative inside out: volume over cubed root mean square edge."""
+    p = nodes[tets]
+    volume = np.einsum("ij,ij->i", p[:, 1] - p[:, 0], np.cross(p[:, 2] - p[:, 0], p[:, 3] - p[:, 0])) / 6.0
+    square = sum(np.einsum("ij,ij->i", p[:, a] - p[:, b], p[:, a] - p[:, b]) for a in range(4) for b in range(a))
+    shapes: NDArray[np.float64] = 6.0 * np.sqrt(2.0) * volume / np.maximum((square / 6.0) ** 1.5, np.finfo(float).tiny)
+    return shapes
+
+
 def _mesher_version() -> str:
     from importlib.metadata import version
 

@@ -14,12 +14,12 @@ from kernel.csg.tree import Block, Boolean, Cone, CsgModel, CsgNode, Cylinder, S
 from kernel.errors import MeshError
 from kernel.mesh import tetcache, tets
 from kernel.mesh.boundary import boundary_triangles, closest_on_triangles
-from kernel.mesh.fit import tet_shapes
+from kernel.mesh.fit import fit
 from kernel.mesh.mesh import ElementBlock, Mesh
 from kernel.mesh.order import curved, places_on
 from kernel.mesh.shapes import corner_rule, integration_rule, jacobians, measures
 from kernel.mesh.solid_tets import mesh_solid
-from kernel.mesh.tets import check_surface, check_tets, run_guarded, tet_volumes, tetrahedralise
+from kernel.mesh.tets import check_surface, check_tets, run_guarded, tet_shapes, tet_volumes, tetrahedralise
 from kernel.solid.evaluate import evaluate
 from kernel.solid.solid import Solid
 from kernel.solid.surfaces import signed_distance
@@ -146,7 +146,37 @@ def test_boundary_and_mid_side_nodes_stand_on_the_true_surfaces(root, size) -> N
     assert (measures(jacobians(places, corner_rule("tet10"))) > 0.0).all()
     volume = (measures(jacobians(places, rule)) * rule.weights).sum()
     assert volume == pytest.approx(solid.true_volume, rel=1e-3)
-    assert drawn <= 0.04 * len(body.edges)  # fTetWild gives another mesh every time: 9 of 435 were seen at the cone
+    # fTetWild gives another mesh every time: 0 of 450 as a rule, 35 of 408 at worst in 200 meshes of the cone
+    assert drawn <= 0.2 * len(body.edges)
+
+
+def test_boundary_nodes_above_one_another_are_drawn_together() -> None:
+    """Within its envelope the mesher may leave two: both moved onto the sphere would flatten what lies between."""
+    import trimesh
+
+    solid = solid_of(Sphere(radius=10))
+    ball = trimesh.creation.icosphere(subdivisions=1, radius=10.0)
+    points, faces = np.asarray(ball.vertices), np.asarray(ball.faces, np.int64)
+    centre, below = len(points), len(points) + 1
+    fan = faces[(faces == 0).any(axis=1)]
+    fan = np.array([np.roll(face, -int(np.flatnonzero(face == 0)[0])) for face in fan])
+    ring = [0]
+    while len(ring) < len(fan):
+        ring.append(int(np.flatnonzero(fan[:, 1] == fan[ring[-1], 2])[0]))
+    fan = fan[ring]
+    half = len(fan) // 2
+    first, last = int(fan[0, 1]), int(fan[half - 1, 2])
+    aside = points[fan[half:, 1:]].mean(axis=(0, 1)) - points[0]
+    nodes = np.concatenate([points, [aside], [0.985 * points[0]]])
+    shell = np.concatenate([faces[~(faces == 0).any(axis=1)], fan[half:], [[below, *face[1:]] for face in fan[:half]]])
+    shell = np.concatenate([shell, [[0, first, below], [0, below, last]]])
+    tets = np.stack([np.full(len(shell), centre), *shell.T], axis=1)
+    assert (tet_volumes(nodes, tets) > 0.0).all()
+    body = fit(solid, nodes, tets, 0.3)
+    assert body.left == 0
+    assert len(body.nodes) == len(nodes) - 1
+    outer = np.unique(boundary_triangles(body.tets))
+    assert np.linalg.norm(body.nodes[outer], axis=1) == pytest.approx(10.0, rel=1e-8)
 
 
 def test_corners_of_the_solid_are_nodes() -> None:
