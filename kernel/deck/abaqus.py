@@ -12,8 +12,10 @@ from kernel.connect.model import Mpc, Rbe2, Rbe3
 from kernel.deck.deck import DeckFormat, register
 from kernel.deck.header import header_lines
 from kernel.deck.keywords import (
+    NAMES_PER_LINE,
     Group,
     comment_lines,
+    coupling_set,
     element_lines,
     groups,
     material_lines,
@@ -48,8 +50,8 @@ def write(model: Model) -> bytes:
         lines.append(f"*ELEMENT, TYPE={_TYPES[part.block.kind]}, ELSET={part.name}")
         lines += element_lines((part.first + part.rows).tolist(), nodes.tolist())
     lines.append("*ELSET, ELSET=EALL")
-    lines += wrapped([part.name for part in parts], 16)
-    lines += set_lines(model)
+    lines += wrapped([part.name for part in parts], NAMES_PER_LINE)
+    lines += set_lines(model, parts)
     lines += material_lines(model)
     names = material_names(model)
     for part in parts:
@@ -92,10 +94,10 @@ def _section(part: Group, name: str, material: Material) -> Iterator[str]:
 
 
 def _kinematic(coupling: Rbe2, number: int) -> Iterator[str]:
-    yield f"*NSET, NSET=COUPLING_{number}"
+    yield f"*NSET, NSET={coupling_set(number)}"
     yield from wrapped((coupling.dependent + 1).tolist())
     yield f"*SURFACE, NAME=SURFACE_{number}, TYPE=NODE"
-    yield f"COUPLING_{number}, 1."
+    yield f"{coupling_set(number)}, 1."
     yield f"*COUPLING, CONSTRAINT NAME=RBE2_{number}, REF NODE={coupling.independent + 1}, SURFACE=SURFACE_{number}"
     yield "*KINEMATIC"
     components = sorted(map(int, coupling.components))

@@ -43,6 +43,9 @@ _TYPES: dict[str, tuple[int, tuple[int, ...]]] = {
 
 _LINE_PARTS = {"line2": ((0, 1),), "line3": ((0, 2), (2, 1))}
 
+RESERVED_NAMES = ("ALL", "STAT", "DEFA")
+"""Words that commands read as something else where the name of a component stands."""
+
 NODES_PER_COMMAND = 8
 """EN takes eight nodes; EMORE the next eight."""
 
@@ -151,7 +154,7 @@ def _components(model: Model) -> Iterator[str]:
         [np.full(len(b.connectivity), len(_LINE_PARTS.get(b.kind, ((),)))) for b in model.mesh.blocks]
     )
     ends = np.cumsum(counts)
-    for named, name in zip(model.sets, set_names([named.name for named in model.sets], 8)):
+    for named, name in zip(model.sets, set_names([named.name for named in model.sets], 8, RESERVED_NAMES)):
         ids = np.sort(
             np.concatenate([np.arange(ends[k] - counts[k] + 1, ends[k] + 1) for k in named.elements.tolist()])
         )

@@ -19,6 +19,7 @@ from kernel.connect.equations import rows
 from kernel.deck.deck import DeckFormat, register
 from kernel.deck.header import header_lines
 from kernel.deck.keywords import (
+    OWN_MATERIAL,
     Group,
     comment_lines,
     element_lines,
@@ -104,7 +105,7 @@ def _deck(model: Model) -> list[str]:
         lines += element_lines(numbers, nodes.tolist())
     lines.append("*ELSET, ELSET=EALL")
     lines += wrapped([part.name for part in parts], 1)
-    lines += set_lines(model)
+    lines += set_lines(model, parts)
     lines += material_lines(model)
     names = material_names(model)
     for part in parts:
@@ -214,12 +215,12 @@ def _knots(model: Model, turning: Sequence[int], n_node: int) -> Iterator[str]:
     ends = [[node + 1, first + 2 * k, first + 2 * k + 1] for k, node in enumerate(turning)]
     yield from element_lines(range(element, element + len(ends)), ends)
     material = next(iter(model.materials.values()))
-    yield "*MATERIAL, NAME=WEIGHTLESS"
+    yield f"*MATERIAL, NAME={OWN_MATERIAL}"
     yield "*ELASTIC"
     yield f"{real(material.elastic_modulus)}, {real(material.poisson_ratio)}"
     yield "*DENSITY"
     yield "0."
-    yield "*BEAM SECTION, ELSET=KNOTS, MATERIAL=WEIGHTLESS, SECTION=RECT"
+    yield f"*BEAM SECTION, ELSET=KNOTS, MATERIAL={OWN_MATERIAL}, SECTION=RECT"
     yield f"{real(KNOT_LENGTH * size / 2)}, {real(KNOT_LENGTH * size / 2)}"
     yield "0.36, 0.48, 0.8"
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
 from kernel.units import UNIT_SETS
@@ -44,9 +45,9 @@ def set_name(name: str, limit: int) -> str:
     return clean[:limit]
 
 
-def set_names(names: list[str], limit: int) -> list[str]:
-    """set_name for each, made unique: repeats get a number at their end."""
-    taken: set[str] = set()
+def set_names(names: list[str], limit: int, reserved: Iterable[str] = ()) -> list[str]:
+    """set_name for each, made unique: repeats, and names that the deck uses itself, get a number at their end."""
+    taken: set[str] = set(reserved)
     following: dict[str, int] = {}  # the number that the next repeat of a name tries first: those below are taken
     result = []
     for name in names:

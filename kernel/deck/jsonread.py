@@ -29,7 +29,10 @@ if TYPE_CHECKING:
 PROPERTY_KINDS = {1: "beam", 2: "shell", 3: "solid"}
 """What the elements of a segment are, by their dimension."""
 
-_SECTION_NUMBERS = ("area", "iyy", "izz", "iyz", "j", "shear_area_y", "shear_area_z")
+_POSITIVE_OF_SECTION = ("area", "iyy", "izz", "j", "shear_area_y", "shear_area_z")
+
+HELD = ("123", "123456")
+"""What a coupling may hold: not every format can say less than all translations."""
 
 
 def read_json_deck(data: str | bytes, name: str = "deck") -> Model:
@@ -102,6 +105,13 @@ class _Value:
             value = math.inf
         if not math.isfinite(value):
             raise self.refuse("a finite number")
+        return value
+
+    def positive(self) -> float:
+        """A finite number above 0."""
+        value = self.number()
+        if value <= 0:
+            raise self.refuse("a number above 0")
         return value
 
     def index(self, count: int) -> int:
@@ -209,9 +219,9 @@ def _properties(
                 segment=segment,
                 kind=kind.text(),
                 material=material.text(),
-                thickness=item["thickness"].number() if kind.text() == "shell" else None,
+                thickness=item["thickness"].positive() if kind.text() == "shell" else None,
                 section=_section(item["section"]) if kind.text() == "beam" else None,
-                density_factor=item["density_factor"].number(),
+                density_factor=item["density_factor"].positive(),
             )
         )
     names = [element.segment for element in properties]
@@ -232,13 +242,14 @@ def _section(value: _Value) -> SectionProperties:
     if not parts:
         raise value["outline"].refuse("one polygon or more")
     outline: Polygon | MultiPolygon = parts[0] if len(parts) == 1 else MultiPolygon(parts)
-    numbers = {name: value[name].number() for name in _SECTION_NUMBERS}
+    numbers = {name: value[name].positive() for name in _POSITIVE_OF_SECTION}
     return SectionProperties(
         shape=value["shape"].text(),
         centroid=_pair(value["centroid"]),
         shear_centre=_pair(value["shear_centre"]),
         outline=outline,
         dimensions={name: size.number() for name, size in value["dimensions"].members().items()},
+        iyz=value["iyz"].number(),
         **numbers,
     )
 
@@ -261,24 +272,27 @@ def _coupling(value: _Value, n_node: int) -> Coupling:
             independent, weights = value["independent"].indices(n_node), value["weights"].numbers()
             if len(independent) != len(weights):
                 raise value["weights"].refuse(f"{len(independent)} weights")
+            if weights.sum() <= 0:
+                raise value["weights"].refuse("weights with a sum above 0")
             return Rbe3(
                 value["dependent"].index(n_node),
                 independent,
                 weights,
                 _components(value["components"]),
-                _components(value["independent_components"]),
+                _components(value["independent_components"], HELD[:1]),
             )
         case "mpc":
             nodes, coefficients = value["nodes"].indices(n_node), value["coefficients"].numbers()
             components = value["components"].indices(7)
             if not len(nodes) == len(components) == len(coefficients) > 0 or components.min() < 1:
                 raise value.refuse("as many nodes as components (1 to 6) and coefficients")
+            if coefficients[0] == 0:
+                raise value["coefficients"].refuse("one above or below 0 first, of the freedom that depends")
             return Mpc(nodes, components, coefficients)
     raise kind.refuse("rbe2, rbe3 or mpc")
 
 
-def _components(value: _Value) -> str:
-    text = value.text()
-    if not text or set(text) - set("123456"):
-        raise value.refuse("some of 123456")
-    return text
+def _components(value: _Value, allowed: Sequence[str] = HELD) -> str:
+    if value.text() not in allowed:
+        raise value.refuse(" or ".join(allowed))
+    return value.text()

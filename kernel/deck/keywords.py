@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -18,6 +18,15 @@ if TYPE_CHECKING:
     from kernel.mesh.mesh import ElementBlock
 
 Array = NDArray[np.float64]
+
+OWN_SETS = ("EALL", "NALL", "HELD", "KNOTS", "KNOT_NODES", "BEAM_MIDDLES")
+"""Sets that decks have of their own: no named node or segment may add to them."""
+
+OWN_MATERIAL = "WEIGHTLESS"
+"""Of CalculiX's knots."""
+
+NAMES_PER_LINE = 4
+"""Of at most sixty characters each: a line of Abaqus ends at 256."""
 
 SAME_ORIENTATION = 1e-9
 """Section axes (unit vectors) whose components differ by less are one beam section."""
@@ -39,7 +48,7 @@ class Group:
 
 
 def groups(model: Model) -> list[Group]:
-    """Every block, beams divided by orientation; numbers run over all blocks in order."""
+    """Every block, beams divided by orientation; numbers run over all blocks in order. No two names are the same."""
     by_segment = {element.segment: element for element in model.properties}
     result = []
     first = 1
@@ -58,7 +67,8 @@ def groups(model: Model) -> list[Group]:
                 name = base if len(keys) == 1 else f"{base}_{number + 1}"
                 result.append(Group(name, block, element, first, rows, (y[rows[0]], z[rows[0]])))
         first += len(block.connectivity)
-    return result
+    names = set_names([group.name for group in result], 60, OWN_SETS)
+    return [replace(group, name=name) for group, name in zip(result, names)]
 
 
 def node_lines(nodes: Array, first: int = 1) -> Iterator[str]:
@@ -80,9 +90,14 @@ def wrapped(items: Sequence[object], width: int = 16) -> Iterator[str]:
         yield line + ("," if start + width < len(items) else "")
 
 
-def set_lines(model: Model) -> Iterator[str]:
-    """ELSET and NSET of every named set."""
-    names = set_names([named.name for named in model.sets], 60)
+def set_lines(model: Model, parts: Sequence[Group]) -> Iterator[str]:
+    """ELSET and NSET of every named set, under names that neither the groups nor the deck itself have.
+
+    A set that is written twice is the union of both: elements would get the section of another group.
+    """
+    couplings = [coupling_set(number) for number in range(1, len(model.couplings) + 1)]
+    reserved = [*OWN_SETS, *(part.name for part in parts), *couplings]
+    names = set_names([named.name for named in model.sets], 60, reserved)
     for named, name in zip(model.sets, names):
         yield f"*ELSET, ELSET={name}"
         yield from wrapped((named.elements + 1).tolist())
@@ -90,10 +105,15 @@ def set_lines(model: Model) -> Iterator[str]:
         yield from wrapped((named.nodes + 1).tolist())
 
 
+def coupling_set(number: int) -> str:
+    """The name of the set of nodes that a coupling holds."""
+    return f"COUPLING_{number}"
+
+
 def material_names(model: Model) -> dict[tuple[str, float], str]:
     """The name of each material and density factor in use."""
     keys = list(dict.fromkeys((element.material, element.density_factor) for element in model.properties))
-    names = set_names([name if factor == 1 else f"{name}_x" for name, factor in keys], 60)
+    names = set_names([name if factor == 1 else f"{name}_x" for name, factor in keys], 60, [OWN_MATERIAL])
     return dict(zip(keys, names))
 
 

@@ -42,7 +42,8 @@ TRIANGLE_FOURTH_NODE = 0
 SPOKE_SIDE = 0.1
 """A stiff beam is a square bar of the first material with this share of the model's size as its side."""
 
-MAX_NODES = 99_999
+MAX_NODES = 9_999
+"""What the four columns of a node's number hold."""
 
 _LINE_PARTS = {"line2": ((0, 1),), "line3": ((0, 2), (2, 1))}
 _NO_LOAD = "".join(["        0."] * 4)
@@ -114,7 +115,10 @@ class _Deck:
             self._spoke_nodes.append(len(self.places) + 1)
             self.places.append(tuple((start + self.size * _across(end - start)).tolist()))
         if len(self.places) > MAX_NODES:
-            raise DeckError(f"SAP IV counts {MAX_NODES} nodes at most, the model has {len(self.places)}")
+            raise DeckError(
+                f"SAP IV counts {MAX_NODES} nodes at most, the model needs {len(self.places)} (with those that turn "
+                "beams); expected larger elements or another format"
+            )
 
     def _orientation_places(self, block: ElementBlock) -> Array:
         """The K node lies along the principal y axis, the element's local axis 2."""
@@ -250,7 +254,12 @@ def _across(direction: Array) -> Array:
 
 
 def _ints(values: Sequence[int], width: int) -> str:
-    return "".join(f"{value:{width}d}" for value in values)
+    """DeckError where a number is wider than its columns: all that follow would shift."""
+    texts = [f"{value:{width}d}" for value in values]
+    for text in texts:
+        if len(text) > width:
+            raise DeckError(f"SAP IV has {width} columns for the number {text}, expected a smaller model")
+    return "".join(texts)
 
 
 def _reals(values: Sequence[float]) -> str:

@@ -8,6 +8,7 @@ node and segment, the numbers of its segments.
 from __future__ import annotations
 
 import base64
+import re
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 from xml.sax.saxutils import escape, quoteattr
@@ -48,11 +49,11 @@ def write(model: Model) -> bytes:
     thickness = np.array([element.thickness or 0.0 for element in model.properties])
     area = np.array([element.section.area if element.section else 0.0 for element in model.properties])
     property_kind = np.array([_KIND_NUMBER[element.kind] for element in model.properties])
-    names = "\n".join(f"{element.segment} {element.kind} {printable(element.material)}" for element in model.properties)
+    names = "\n".join(printable(f"{element.segment} {element.kind} {element.material}") for element in model.properties)
     lines = [
         '<?xml version="1.0"?>',
         "<!--",
-        *(escape(line).replace("--", "- -") for line in header_lines(model, "VTK unstructured grid")),
+        *(_comment(line) for line in header_lines(model, "VTK unstructured grid")),
         "-->",
         '<VTKFile type="UnstructuredGrid" version="1.0" byte_order="LittleEndian" header_type="UInt64">',
         "<UnstructuredGrid>",
@@ -81,8 +82,13 @@ def write(model: Model) -> bytes:
         "</UnstructuredGrid>",
         "</VTKFile>",
     ]
-    lines.insert(3, f"properties: {escape(names)}".replace("--", "- -"))
+    lines.insert(3, _comment(f"properties: {names}"))
     return ("\n".join(lines) + "\n").encode()
+
+
+def _comment(text: str) -> str:
+    """As XML takes it between `<!--` and `-->`: no two hyphens side by side, however many there are."""
+    return re.sub("-(?=-)", "- ", escape(text))
 
 
 def _sets(model: Model, table: dict[str, int]) -> Iterator[tuple[str, NDArray[np.int64]]]:

@@ -135,6 +135,12 @@ def test_ansys_5_breaks_twenty_nodes_over_three_commands():
     assert [len(command) - 1 for command in commands(text, "EMORE")] == [8, 4]
 
 
+def test_ansys_5_calls_no_component_by_a_word_of_its_own():
+    model = shell_cantilever("quad4", divisions=(2, 1))
+    text = ansys5.write(replace(model, sets=(whole_set(model, "all"), whole_set(model, "TOP"))))
+    assert [command[1] for command in commands(text, "CM")] == ["ALL_2", "TOP"]
+
+
 @pytest.mark.parametrize("angle", [0, 10, 30, 44, 60, 90, 130])
 def test_principal_axes_lie_within_45_degrees_and_leave_no_product(angle):
     section = section_properties(affinity.rotate(channel_outline(), angle))

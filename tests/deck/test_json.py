@@ -106,8 +106,9 @@ def models(draw):
         if kind == "a":
             couplings.append(Rbe2(draw(node), found, draw(st.sampled_from(["123", "123456"]))))
         elif kind == "b":
-            couplings.append(Rbe3(draw(node), found, values))
+            couplings.append(Rbe3(draw(node), found, np.array([draw(sizes) for _ in found])))
         else:
+            values[0] = draw(sizes)
             couplings.append(Mpc(found, np.array([draw(st.integers(1, 6)) for _ in found]), values))
     model = model_of(nodes, blocks, properties, couplings, units=draw(st.sampled_from(["mm", "m", "in"])))
     return replace(model, title=draw(st.text(max_size=9)), notes=tuple(draw(st.lists(st.text(max_size=9), max_size=2))))
@@ -151,7 +152,17 @@ def changed(path, value):
         (("materials", "steel", "density"), 10**400, r"materials\.steel\.density is 1000.*, expected a finite number"),
         (("materials", "steel", "poisson_ratio"), 0.5, "NU = 0.5"),
         (("couplings", 0, "kind"), "glue", r"couplings\[0\]\.kind is \"glue\", expected rbe2, rbe3 or mpc"),
-        (("couplings", 0, "components"), "7", r"couplings\[0\]\.components .* some of 123456"),
+        (("couplings", 0, "components"), "7", r"couplings\[0\]\.components .* 123 or 123456"),
+        (("couplings", 0, "components"), "12", r"couplings\[0\]\.components .* 123 or 123456"),
+        (
+            ("couplings", 0, "independent_components"),
+            "123456",
+            r"independent_components .* expected 123",
+        ),
+        (("couplings", 0, "weights"), [0.0] * 9, r"couplings\[0\]\.weights .* a sum above 0"),
+        (("properties", 0, "density_factor"), 0, r"properties\[0\]\.density_factor is 0, expected a number above 0"),
+        (("properties", 1, "section", "j"), 0.0, r"properties\[1\]\.section\.j is 0\.0, expected a number above 0"),
+        (("properties", 0, "thickness"), -1, r"properties\[0\]\.thickness is -1, expected a number above 0"),
         (("units",), "parsec", "unknown units"),
         (("sets",), {}, "sets is {}, expected a list"),
     ],
@@ -165,6 +176,13 @@ def test_what_is_wrong_is_told_by_its_place(path, value, told):
 def test_what_is_no_deck_is_refused(text):
     with pytest.raises(ReadError, match=r"^model\.json: "):
         read_json_deck(text, "model.json")
+
+
+def test_an_equation_needs_a_coefficient_for_what_depends():
+    document = json.loads(JSON.write(lap_of_plates()))
+    document["couplings"][0]["coefficients"][0] = 0.0
+    with pytest.raises(ReadError, match=r"couplings\[0\]\.coefficients .* expected one above or below 0 first"):
+        read_json_deck(json.dumps(document))
 
 
 def test_the_section_and_its_material_are_whole():

@@ -1,5 +1,7 @@
 """Abaqus and CalculiX input, and SAP IV cards."""
 
+import re
+from collections import Counter
 from dataclasses import replace
 
 import meshio
@@ -64,6 +66,64 @@ def test_abaqus_couplings_name_their_nodes_and_weights():
     assert all(card == ["1, 3"] for card in keyword(rigid, "*KINEMATIC"))
 
 
+def sets_of(text: bytes, kind: str) -> list[str]:
+    """The names that ELSET or NSET keywords, and elements and nodes, give to sets, in order."""
+    heads = [line for line in text.decode().splitlines() if line.startswith(("*ELSET", "*NSET", "*ELEMENT,", "*NODE,"))]
+    return [name for head in heads for name in re.findall(rf"\b{kind}=(\w+)", head)]
+
+
+@pytest.mark.parametrize("name", ["abaqus", "calculix"])
+@pytest.mark.parametrize("rigid", [False, True])
+def test_no_named_node_adds_to_a_set_that_the_deck_has_itself(name, rigid):
+    """A set that is written twice is the union of both: elements would get the section of another group."""
+    model = block_on_plate() if rigid else post_on_plate()
+    groups = ["s1_line2", "s1_quad4", "s2_quad4", "s2_hex8"]
+    names = ["eall", "Nall", "knots", "knot_nodes", "beam middles", "coupling_1", "surface_1", *groups]
+    writer = format_for("", name)
+    plain = writer.write(model)
+    text = writer.write(replace(model, sets=tuple(whole_set(model, each) for each in names)))
+    for kind in ("ELSET", "NSET"):
+        own = Counter(sets_of(plain, kind))
+        own.subtract(sets_of(text, kind))
+        assert all(count <= 0 for count in own.values())
+        added = {each for each, count in own.items() if count < 0}
+        assert len(added) == len(names)
+        assert added.isdisjoint(sets_of(plain, kind))
+
+
+@pytest.mark.parametrize("name", ["abaqus", "calculix"])
+def test_segments_whose_names_clean_to_the_same_keep_their_own_sections(name):
+    one = shell_cantilever("quad4", divisions=(2, 1))
+    (block,), (element,) = one.mesh.blocks, one.properties
+    halves = [
+        replace(block, segment=segment, connectivity=block.connectivity[rows])
+        for segment, rows in (("top-1", slice(0, 1)), ("top_1", slice(1, 2)))
+    ]
+    properties = (replace(element, segment="top-1"), replace(element, segment="top_1", thickness=9.0))
+    model = replace(one, mesh=replace(one.mesh, blocks=tuple(halves)), properties=properties)
+    text = format_for("", name).write(model).decode()
+    assert re.findall(r"\*SHELL SECTION, ELSET=(\w+), MATERIAL=STEEL\n(.*)", text) == [
+        ("TOP_1_QUAD4", "2."), ("TOP_1_QUAD4_2", "9."),
+    ]  # fmt: skip
+    assert re.findall(r"\*ELEMENT, TYPE=S4, ELSET=(\w+)\n(\d+),", text) == [
+        ("TOP_1_QUAD4", "1"), ("TOP_1_QUAD4_2", "2"),
+    ]  # fmt: skip
+
+
+def test_lines_of_abaqus_end_before_its_limit():
+    names = [f"{'segment' * 7}_{number}" for number in range(8)]
+    one = shell_cantilever("quad4", divisions=(8, 1))
+    (block,), (element,) = one.mesh.blocks, one.properties
+    blocks = [replace(block, segment=name, connectivity=block.connectivity[[k]]) for k, name in enumerate(names)]
+    model = replace(
+        one,
+        mesh=replace(one.mesh, blocks=tuple(blocks)),
+        properties=tuple(replace(element, segment=name) for name in names),
+    )
+    lines = [line for line in abaqus.write(model).decode().splitlines() if not line.startswith("**")]
+    assert max(map(len, lines)) <= 256
+
+
 def fields(line: str, widths: list[int]) -> list[str]:
     result, start = [], 0
     for width in widths:
@@ -104,6 +164,16 @@ def test_sap_refuses_what_it_cannot_carry():
         sapiv.write(solid_cantilever("tet10", divisions=(1, 1, 1)))
     with pytest.raises(DeckError, match="constraint equations"):
         sapiv.write(lap_of_plates())
+
+
+def test_sap_refuses_numbers_that_are_wider_than_their_columns():
+    """The number of a node stands in columns 2 to 5: a fifth digit would shift the card."""
+    most = shell_cantilever("quad4", divisions=(3332, 2))
+    assert most.mesh.n_node == 9999
+    last = sapiv.write(most).decode().splitlines()[2 + 9998]
+    assert fields(last, [1, 4, *[5] * 6])[1] == "9999"
+    with pytest.raises(DeckError, match="SAP IV counts 9999 nodes at most, the model needs 10002"):
+        sapiv.write(shell_cantilever("quad4", divisions=(3333, 2)))
 
 
 @pytest.mark.parametrize("name", ["abaqus", "ansys", "ansys5", "calculix", "sapiv"])

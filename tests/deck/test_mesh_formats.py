@@ -3,6 +3,7 @@
 import base64
 import re
 from dataclasses import replace
+from xml.etree import ElementTree
 
 import gmsh
 import meshio
@@ -132,3 +133,11 @@ def test_a_name_of_any_letters_is_written_by_every_format(name, tmp_path):
         path = tmp_path / f"model.{'msh' if name == 'gmsh' else 'vtu'}"
         path.write_bytes(text)
         assert len(meshio.read(path).points) == 5
+
+
+def test_a_vtu_is_xml_whatever_the_model_is_called(tmp_path):
+    model = replace(shell_cantilever("quad4", divisions=(2, 1)), title="part---v2--.csg", notes=("--->",))
+    path = tmp_path / "model.vtu"
+    path.write_bytes(format_for(path.name).write(model))
+    assert ElementTree.parse(path).getroot().tag == "VTKFile"
+    assert len(meshio.read(path).points) == model.mesh.n_node

@@ -44,3 +44,7 @@ def test_what_is_no_number_is_refused(value):
 
 def test_set_names_are_made_unique_and_safe():
     assert set_names(["top plate", "top_plate", "1st", "ä"], 8) == ["TOP_PLAT", "TOP_PL_2", "N1ST", "N_"]
+
+
+def test_set_names_leave_those_alone_that_the_deck_uses():
+    assert set_names(["eall", "EALL", "top"], 60, ["EALL"]) == ["EALL_2", "EALL_3", "TOP"]
