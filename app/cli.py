@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Annotated, NoReturn
 
 import typer
 
-from app import cli_edits, cli_mesh, cli_rules, texts
+from app import cli_batch, cli_edits, cli_mesh, cli_rules, texts
 from app.cli_arguments import GapOption, JsonOption, ModelArgument, OverrideOption, RulesOption, UnitsOption, overrides
 from app.collector import collect_rarely
 from app.output import check_writable, write_files
@@ -54,6 +54,7 @@ def root(
 
 
 app.command(epilog=cli_mesh.EPILOG)(cli_mesh.mesh)
+app.command(epilog=cli_batch.EPILOG)(cli_batch.batch)
 
 
 @app.command(epilog="Example: csgmesh classify bracket.csg --explain 0.1")

@@ -47,6 +47,29 @@ def split_joints(said: Mapping[str, str]) -> tuple[dict[str, str], dict[str, str
     return couplings, {joint: value for joint, value in said.items() if value in TEES}
 
 
+def read_options(
+    *, size_of: Sequence[str] | None, curve_size: Sequence[str] | None, seeds: Sequence[str] | None, **plain: Any
+) -> MeshOptions:
+    """The mesh options that a command line asks for; plain: those that need no reading, by MeshOptions' own names."""
+    return MeshOptions(
+        sizes=lengths(size_of, "--size-of", "NODE=SIZE", "TOP=20"),
+        curve_sizes=lengths(curve_size, "--curve-size", "CURVES=SIZE", "HOLE=2"),
+        seeds=counts(seeds, "--seeds", "CURVES=COUNT", "TOP&LEG=8"),
+        **plain,
+    )
+
+
+def check_coupling_and_mass(coupling: str, mass: str) -> None:
+    """OptionError for a coupling or a way to weigh that there is none of."""
+    from kernel.connect.build import MASSES
+    from kernel.connect.couplings import COUPLINGS
+
+    if coupling not in COUPLINGS:
+        raise OptionError(f"unknown coupling {coupling!r}, expected one of {', '.join(COUPLINGS)}")
+    if mass not in MASSES:
+        raise OptionError(f"unknown mass {mass!r}, expected one of {', '.join(MASSES)}")
+
+
 def check_names(
     options: MeshOptions,
     csg: CsgModel,

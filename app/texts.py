@@ -239,6 +239,33 @@ def show(text: str) -> None:
     sys.stdout.write(text.rstrip("\n") + "\n")
 
 
+def record_text(record: dict[str, Any], folder: str) -> str:
+    """One model of a batch that is meshed, in a line."""
+    deck = os.path.join(folder, record["deck"])
+    if record["kept"]:
+        return f"{record['model']}: {deck} is there from an earlier run"
+    elements = sum(record["elements"].values())
+    return (
+        f"{record['model']}: {deck}, {plural(record['nodes'], 'node')}, {plural(elements, 'element')} in "
+        f"{plural(record['segments'], 'segment')}, {record['seconds']:.2f} s"
+    )
+
+
+def batch_text(records: Sequence[dict[str, Any]]) -> str:
+    """The sum of a batch."""
+    kept = sum(record["kept"] for record in records)
+    failed = sum(record["status"] == "failed" for record in records)
+    said = [f"{len(records) - kept - failed} meshed"]
+    said += [f"{kept} kept"] if kept else []
+    said += [f"{failed} failed"] if failed else []
+    return f"{plural(len(records), 'model')}: {', '.join(said)}"
+
+
+def of_model(message: str, model: str) -> str:
+    """The message with the model's name in front, where it does not begin with it."""
+    return message if message.startswith(f"{model}:") else f"{model}: {message}"
+
+
 def number(value: Any) -> str:
     """Six significant digits; anything but a float as it is."""
     return f"{value:.6g}" if isinstance(value, float) else str(value)

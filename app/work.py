@@ -12,6 +12,7 @@ import pickle
 import signal
 import time
 from collections.abc import Callable
+from dataclasses import replace
 from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
@@ -21,7 +22,7 @@ from app.collector import collect_rarely
 from kernel.errors import DefectError
 
 if TYPE_CHECKING:
-    from app.pipeline import Classified
+    from app.pipeline import Classified, Meshed
     from kernel.csg.tree import CsgModel
     from rules.engine import RuleBase
 
@@ -100,7 +101,7 @@ def classify_task(payload: Payload, artifacts: Artifacts, progress: Progress) ->
     from app.report.gltf import glb
     from app.report.scenes import segment_bodies
 
-    classified = _classified(payload, progress)
+    classified = _classified(payload, _csg(payload, progress), progress)
     explained = texts.as_json(texts.explanation(classified, None))
     return {
         "answer": artifacts.put(classification(classified).model_dump_json().encode()),
@@ -113,37 +114,42 @@ def explain_task(payload: Payload, _artifacts: Artifacts, progress: Progress) ->
     """Every rule with its numbers for the decisions about `payload["node"]`."""
     from app import texts
 
-    return texts.explanation(_classified(payload, progress), payload["node"])
+    return texts.explanation(_classified(payload, _csg(payload, progress), progress), payload["node"])
 
 
 def mesh_task(payload: Payload, artifacts: Artifacts, progress: Progress) -> dict[str, Any]:
     """Mesh; gives the artifacts of the answer and of the content (model and what its pictures need)."""
-    from app import pipeline
     from app.answers import meshed_answer
     from kernel.connect.reference import reference_of, with_solids
-    from kernel.mesh.options import MeshOptions
 
-    classified = _classified(payload, progress)
-    options = MeshOptions(**payload["options"])
-    meshed = pipeline.mesh(
-        classified,
-        options,
-        material=payload["material"],
-        coupling=payload["coupling"],
-        joint_couplings=payload["joints"],
-        mass=payload["mass"],
-        apart=payload.get("apart", False),
-        only=payload.get("only", ()),
-        progress=progress,
-    )
-    if not payload["unchecked"]:
-        pipeline.refuse_failed(meshed)
+    meshed = _meshed(payload, _csg(payload, progress), progress)
     answer = meshed_answer(meshed).model_dump_json().encode()
-    whole = reference_of(meshed.assembly, classified.evaluated)
-    reference = with_solids(whole, meshed.assembly, classified.evaluated)
+    evaluated = meshed.classified.evaluated
+    reference = with_solids(reference_of(meshed.assembly, evaluated), meshed.assembly, evaluated)
     return {
         "answer": artifacts.put(answer),
         "content": artifacts.put(pickle.dumps({"model": meshed.model, "reference": reference}, protocol=5)),
+    }
+
+
+def files_task(payload: Payload, _artifacts: Artifacts | None, progress: Progress) -> dict[str, Any]:
+    """Mesh; gives the answer and the files themselves: the deck in `format`, and the report where `report` is true."""
+    from app import pipeline
+    from app.answers import meshed_answer
+    from app.meshoptions import check_names
+    from app.report.page import report_page
+    from kernel.materials import choose_material
+    from kernel.mesh.options import MeshOptions
+
+    csg = _csg(payload, progress)
+    csg = replace(csg, materials={**csg.materials, **payload["materials"]})
+    choose_material(payload["material"], csg, pipeline.units_of(csg, payload["units"]))
+    check_names(MeshOptions(**payload["options"]), csg)
+    meshed = _meshed(payload, csg, progress)
+    return {
+        "answer": meshed_answer(meshed).model_dump(mode="json"),
+        "deck": pipeline.write_deck(meshed, "", payload["format"]),
+        "report": report_page(meshed).encode() if payload["report"] else None,
     }
 
 
@@ -236,6 +242,7 @@ TASKS: dict[str, Callable[[Payload, Artifacts, Progress], Any]] = {
     "classify": classify_task,
     "explain": explain_task,
     "mesh": mesh_task,
+    "files": files_task,
     "edit": edit_task,
     "deck": deck_task,
     "mesh_glb": mesh_glb_task,
@@ -292,29 +299,53 @@ def _reporter(connection: Connection, number: int) -> Progress:
     return report
 
 
-def _csg(payload: Payload) -> CsgModel:
+def _csg(payload: Payload, progress: Progress | None = None) -> CsgModel:
     from kernel.csg.reader import read_model
 
+    if progress is not None:
+        progress("read", 0.0)
     return read_model(payload["text"], payload["name"])
 
 
-def _classified(payload: Payload, progress: Progress) -> Classified:
+def _meshed(payload: Payload, csg: CsgModel, progress: Progress) -> Meshed:
+    """The connected model that is asked for; CheckError where it does not pass its checks and has to."""
+    from app import pipeline
+    from kernel.mesh.options import MeshOptions
+
+    meshed = pipeline.mesh(
+        _classified(payload, csg, progress),
+        MeshOptions(**payload["options"]),
+        material=payload["material"],
+        coupling=payload["coupling"],
+        joint_couplings=payload.get("joints", {}),
+        materials_of=payload.get("materials_of", {}),
+        mass=payload["mass"],
+        apart=payload.get("apart", False),
+        only=payload.get("only", ()),
+        progress=progress,
+    )
+    if not payload["unchecked"]:
+        pipeline.refuse_failed(meshed)
+    return meshed
+
+
+def _classified(payload: Payload, csg: CsgModel, progress: Progress) -> Classified:
     from app import pipeline
     from kernel.plan import Override
 
     overrides = {o["node"]: Override(o["type"], o["author"], o["reason"]) for o in payload["overrides"]}
-    progress("read", 0.0)
-    csg = _csg(payload)
     rules = _rules(payload["rules"])
     return pipeline.classify(
         csg, overrides=overrides, rules=rules, units=payload["units"], gap=payload.get("gap", 0.0), progress=progress
     )
 
 
-def _rules(given: dict[str, str] | None) -> RuleBase:
-    """A rule base that was sent, or the own one for None."""
-    from rules.engine import load_rule_base, rule_base_from_text
+def _rules(given: dict[str, str] | RuleBase | None) -> RuleBase:
+    """A rule base that was sent, as text or as itself; the own one for None."""
+    from rules.engine import RuleBase, load_rule_base, rule_base_from_text
 
+    if isinstance(given, RuleBase):
+        return given
     return load_rule_base() if given is None else rule_base_from_text(given["text"], given["name"])
 
 

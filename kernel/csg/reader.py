@@ -19,6 +19,11 @@ _OPENSCAD_START = re.compile(r"[\s%#*!]*+\$?[A-Za-z_]\w*+\s*+\(")
 
 def read_file(path: str) -> CsgModel:
     """The model in the file at `path`; "-" is standard input. Errors as read_model's, or the file cannot be read."""
+    return read_model(read_text(path), path)
+
+
+def read_text(path: str) -> str:
+    """The text in the file at `path`; "-" is standard input. ReadError: there is none, too much, or no text."""
     try:
         if path == "-":
             data = sys.stdin.buffer.read(MAX_INPUT_BYTES)
@@ -30,10 +35,9 @@ def read_file(path: str) -> CsgModel:
     if len(data) >= MAX_INPUT_BYTES:
         raise ReadError(f"{path}: the file is too large, expected less than {MAX_INPUT_BYTES // 1_000_000} MB")
     try:
-        text = data.decode("utf-8-sig")
+        return data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         raise ReadError(f"{path}: byte {error.start} is not UTF-8, expected a text file") from None
-    return read_model(text, path)
 
 
 def read_model(text: str, source: str) -> CsgModel:

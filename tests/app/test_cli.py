@@ -37,14 +37,26 @@ def csgmesh(capsys):
 
 def test_help_names_every_command_and_only_those_that_work(csgmesh):
     listed = re.findall(r"^  (\w+)  ", csgmesh("--help").partition("Commands:")[2], re.MULTILINE)
-    assert listed == ["mesh", "classify", "tree", "evaluate", "quality", "serve", "merge", "connect", "edit", "rules"]
+    assert listed == [
+        "mesh",
+        "batch",
+        "classify",
+        "tree",
+        "evaluate",
+        "quality",
+        "serve",
+        "merge",
+        "connect",
+        "edit",
+        "rules",
+    ]
     for name in listed:
         assert "Usage: csgmesh" in csgmesh(name, "--help")
     assert csgmesh() == csgmesh("--help")
 
 
 def test_every_command_has_an_example(csgmesh):
-    for name in ("mesh", "classify", "tree", "evaluate", "quality", "serve", "merge", "connect", "edit"):
+    for name in ("mesh", "batch", "classify", "tree", "evaluate", "quality", "serve", "merge", "connect", "edit"):
         assert f"Example: csgmesh {name} " in csgmesh(name, "--help")
     for name in ("check", "test", "coverage", "diff", "docs"):
         assert f"Example: csgmesh rules {name} " in csgmesh("rules", name, "--help")
