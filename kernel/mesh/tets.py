@@ -7,6 +7,7 @@ child with its own folder, a deadline and a memory limit, the result is checked,
 
 from __future__ import annotations
 
+import os
 import signal
 import subprocess
 import sys
@@ -194,7 +195,7 @@ def _run(
             triangles=triangles.astype(np.int32),
             numbers=np.array([size, envelope]),
         )
-        said = run_guarded([str(_CHILD), str(int(memory)), f"{deadline:g}"], place, deadline)
+        said = run_guarded([str(_CHILD), str(int(memory)), f"{deadline:g}", str(os.getpid())], place, deadline)
         output = place / "output.npz"
         if not output.exists():
             raise MeshError(f"the tetrahedral mesher ended without a mesh{_quoted(said)}")

@@ -1,6 +1,6 @@
 """The process that runs pytetwild: started by tets.py with this file's path, never imported.
 
-Arguments: memory in bytes, deadline in seconds. The working folder holds input.npz and gets output.npz; a Python
+Arguments: memory in bytes, deadline in seconds, id of the process that started it. The working folder holds input.npz and gets output.npz; a Python
 exception ends in exit status 3 with its text on stderr.
 """
 
@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import ctypes
 import math
+import os
 import signal
 import sys
 
@@ -15,10 +16,12 @@ _DIE_WITH_PARENT = 1
 """PR_SET_PDEATHSIG of Linux's prctl."""
 
 
-def limit(memory: int, deadline: float) -> None:
+def limit(memory: int, deadline: float, parent: int) -> None:
     """Bound this process's memory and processor time, and let it end with the process that started it."""
     if sys.platform.startswith("linux"):
         ctypes.CDLL(None).prctl(_DIE_WITH_PARENT, signal.SIGKILL)
+        if os.getppid() != parent:  # it had ended already: nobody would be told
+            sys.exit(0)
     try:
         import resource
     except ImportError:  # Windows: the deadline alone guards
@@ -45,7 +48,7 @@ def leave_pyvista_out() -> None:
 def main() -> None:
     """Read, mesh, write."""
     leave_pyvista_out()
-    limit(int(sys.argv[1]), float(sys.argv[2]))
+    limit(int(sys.argv[1]), float(sys.argv[2]), int(sys.argv[3]))
     import numpy as np
     from pytetwild.pytetwild import tetrahedralize
 
