@@ -1,7 +1,7 @@
 """The process that runs pytetwild: started by tets.py with this file's path, never imported.
 
-Arguments: memory in bytes, deadline in seconds, id of the process that started it. The working folder holds input.npz and gets output.npz; a Python
-exception ends in exit status 3 with its text on stderr.
+Arguments: memory in bytes, deadline in seconds, id of the process that started it. The working folder holds input.npz
+and gets output.npz; a Python exception ends in exit status 3 with its text on stderr.
 """
 
 from __future__ import annotations

@@ -66,7 +66,7 @@ class Browser:
             raise AssertionError(answer["exceptionDetails"]["exception"].get("description", answer))
         return answer["result"].get("value")
 
-    def wait(self, script, seconds=60):
+    def wait(self, script, seconds=300):
         """Until an expression is true."""
         for _ in range(int(seconds * 20)):
             if self.run(script):
@@ -104,7 +104,7 @@ class Browser:
 
     def _receive(self):
         while b"\0" not in self._rest:
-            ready, _, _ = select.select([self._in], [], [], 60)
+            ready, _, _ = select.select([self._in], [], [], 300)
             piece = os.read(self._in, 1 << 20) if ready else b""
             if not piece:
                 raise AssertionError("the browser does not answer")

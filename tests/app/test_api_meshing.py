@@ -25,7 +25,7 @@ def send(client, text, name="table.csg"):
     return client.post(f"/v1/models?name={name}", content=text, headers=TEXT).json()["id"]
 
 
-def wait_for(client, job_url, seconds=60):
+def wait_for(client, job_url, seconds=300):
     for _ in range(seconds * 20):
         job = client.get(job_url).json()
         if job["state"] in ("done", "failed", "cancelled"):

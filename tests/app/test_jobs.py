@@ -16,7 +16,7 @@ PLATE = "cube(size = [400, 300, 5], center = false);\n"
 TEXT = {"Content-Type": "text/plain"}
 
 
-def wait_until(condition, seconds=60.0):
+def wait_until(condition, seconds=300.0):
     for _ in range(int(seconds * 50)):
         if condition():
             return

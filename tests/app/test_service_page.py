@@ -1,9 +1,9 @@
 """docs/service.md: its walk is walked, so that it stays true."""
 
-import time
 from pathlib import Path
 
 import pytest
+from test_api_meshing import wait_for
 
 from app.api.meshing import MeshRequest
 
@@ -27,9 +27,7 @@ def test_the_walk_from_a_model_to_its_deck(client):
     decided = client.put(f"{model}/overrides/LEG1", json={"type": "brick", "reason": "bolted foot", "author": "anna"})
     assert decided.json()["node"] == "1"
     job = client.post(f"{model}/meshes", json={"size": 50}).headers["location"]
-    deadline = time.monotonic() + 60
-    while (state := client.get(job).json())["state"] in ("queued", "running") and time.monotonic() < deadline:
-        time.sleep(0.05)
+    state = wait_for(client, job)
     assert state["state"] == "done", state
     mesh = client.get(f"/v1/meshes/{state['mesh_id']}").json()
     assert set(mesh["elements"]) == {"quad4", "hex8", "line2"} and mesh["components"] == 1
