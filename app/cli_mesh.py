@@ -86,11 +86,17 @@ def mesh(
     start = time.perf_counter()
     from app import pipeline
     from app.materialfile import with_material
-    from app.meshoptions import by_name, check_coupling_and_mass, check_names, read_options, split_joints
+    from app.meshoptions import (
+        by_name,
+        check_coupling_and_mass,
+        check_materials,
+        check_names,
+        read_options,
+        split_joints,
+    )
     from app.pipeline import units_of
     from app.progress import progress_bar
     from kernel.deck.deck import format_for
-    from kernel.materials import choose_material
 
     outputs = [output] if report is None else [output, report]
     if len({os.path.realpath(path) for path in outputs}) < len(outputs):
@@ -116,8 +122,9 @@ def mesh(
     )
     pinned = overrides(override)
     csg, material = with_material(pipeline.read(model), material)
-    choose_material(material, csg, units_of(csg, units))
-    check_names(options, csg, only=only or (), joints=couplings)
+    materials_of = by_name(material_of, "--material-of", "NODE=NAME", "TOP=aluminium")
+    check_materials(material, materials_of, csg, units_of(csg, units))
+    check_names(options, csg, only=only or (), joints=couplings, materials_of=materials_of)
     with progress_bar() as progress:
         classified = pipeline.classify(csg, overrides=pinned, rules=rules, units=units, gap=gap, progress=progress)
         meshed = pipeline.mesh(
@@ -126,7 +133,7 @@ def mesh(
             material=material,
             coupling=coupling,
             joint_couplings=couplings,
-            materials_of=by_name(material_of, "--material-of", "NODE=NAME", "TOP=aluminium"),
+            materials_of=materials_of,
             mass=mass,
             apart=apart,
             only=only or (),

@@ -98,6 +98,11 @@ class Jobs:
         finally:
             self._idle.put(worker)
 
+    def occupied(self) -> tuple[int, int]:
+        """(workers that do a job, workers for jobs)."""
+        with self._wake:
+            return len(self._doing), len(self._workers)
+
     def _take_jobs(self, worker: Worker) -> None:
         while not self._is_stopping:
             try:

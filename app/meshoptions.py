@@ -15,6 +15,7 @@ from kernel.errors import OptionError
 from kernel.mesh.curve_names import check_curve_names
 from kernel.mesh.options import TEES, MeshOptions
 from kernel.segment.addresses import check_addresses
+from kernel.units import UnitSet
 
 ASKED = tuple(field.name for field in fields(MeshOptions) if field.name not in ("deadline", "joint_tees"))
 """The options that a user may give, by the names that HTTP has for them; `joints` is for couplings and tees alike."""
@@ -70,22 +71,37 @@ def check_coupling_and_mass(coupling: str, mass: str) -> None:
         raise OptionError(f"unknown mass {mass!r}, expected one of {', '.join(MASSES)}")
 
 
+def check_materials(material: str | None, materials_of: Mapping[str, str], csg: CsgModel, units: UnitSet) -> None:
+    """OptionError where a material that is asked for, of all segments or of some, is none.
+
+    Where every segment may have one of its own, a model that defines several needs none for all.
+    """
+    from kernel.materials import choose_material
+
+    for name in materials_of.values():
+        choose_material(name, csg, units)
+    if material is not None or not materials_of:
+        choose_material(material, csg, units)
+
+
 def check_names(
     options: MeshOptions,
     csg: CsgModel,
     *,
     only: Collection[str] = (),
     joints: Collection[str] = (),
+    materials_of: Collection[str] = (),
     known: tuple[Sequence[str], Sequence[str]] | None = None,
 ) -> None:
     """OptionError for what is already known to be of no node, segment or joint: said before anything is computed.
 
-    only, joints: as they are asked for. known: ids of the segments and of the joints, None before the model is
-    classified: then whatever looks like such an id passes, and is looked at once they are known.
+    only, joints, materials_of: as they are asked for. known: ids of the segments and of the joints, None before the
+    model is classified: then whatever looks like such an id passes, and is looked at once they are known.
     """
     segments = None if known is None else known[0]
     check_addresses(options.sizes, csg.root, "size", segments)
     check_addresses(only, csg.root, "only", segments)
+    check_addresses(materials_of, csg.root, "material", segments)
     check_curve_names(options.curve_sizes, csg.root, "curve size", segments)
     check_curve_names(options.seeds, csg.root, "seeds", segments)
     for joint in (*joints, *options.joint_tees):

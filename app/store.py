@@ -15,7 +15,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
 
-from sqlalchemy import Engine, ForeignKey, create_engine, delete, event, select, update
+from sqlalchemy import Engine, ForeignKey, create_engine, delete, event, func, select, update
 from sqlalchemy.exc import SQLAlchemyError
 from sqlalchemy.orm import DeclarativeBase, Mapped, MappedAsDataclass, Session, mapped_column
 from sqlalchemy.pool import NullPool
@@ -24,6 +24,7 @@ from app.failure import failure
 from kernel.errors import DefectError, OptionError
 
 FINISHED = ("done", "failed", "cancelled")
+STATES = ("queued", "running", *FINISHED)
 
 
 class Table(MappedAsDataclass, DeclarativeBase):
@@ -113,6 +114,15 @@ class RuleBaseRow(Table):
 
 
 @dataclass(frozen=True, slots=True)
+class Counts:
+    """What is on record; jobs by state."""
+
+    models: int
+    meshes: int
+    jobs: dict[str, int]
+
+
+@dataclass(frozen=True, slots=True)
 class Outcome:
     """How a job ended: `mesh` where it is done, `problem` (JSON) where it failed."""
 
@@ -143,6 +153,15 @@ class Store:
         """The database answers."""
         with self._session() as session:
             return session.scalar(select(1)) == 1
+
+    def counts(self) -> Counts:
+        """How many models, meshes and jobs there are."""
+        with self._session() as session:
+            models, meshes = (session.scalar(select(func.count()).select_from(row)) or 0 for row in (ModelRow, MeshRow))
+            jobs = {
+                row[0]: row[1] for row in session.execute(select(JobRow.state, func.count()).group_by(JobRow.state))
+            }
+        return Counts(models, meshes, jobs)
 
     # models
 

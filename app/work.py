@@ -74,15 +74,15 @@ def mesh_names_task(payload: Payload, _artifacts: Artifacts, _progress: Progress
 
     known: ids of segments and joints where the model is classified already, else None.
     """
-    from app.meshoptions import check_names
-    from kernel.materials import choose_material
+    from app.meshoptions import check_materials, check_names
     from kernel.mesh.options import MeshOptions
     from kernel.units import unit_set
 
     csg = _csg(payload)
-    choose_material(payload["material"], csg, unit_set(payload["units"]))
+    materials = payload["materials_of"]
+    check_materials(payload["material"], materials, csg, unit_set(payload["units"]))
     options, known = MeshOptions(**payload["options"]), payload["known"]
-    check_names(options, csg, only=payload["only"], joints=payload["joints"], known=known)
+    check_names(options, csg, only=payload["only"], joints=payload["joints"], materials_of=materials, known=known)
 
 
 def solid_task(payload: Payload, artifacts: Artifacts, _progress: Progress) -> str:
@@ -136,15 +136,14 @@ def files_task(payload: Payload, _artifacts: Artifacts | None, progress: Progres
     """Mesh; gives the answer and the files themselves: the deck in `format`, and the report where `report` is true."""
     from app import pipeline
     from app.answers import meshed_answer
-    from app.meshoptions import check_names
+    from app.meshoptions import check_materials, check_names
     from app.report.page import report_page
-    from kernel.materials import choose_material
     from kernel.mesh.options import MeshOptions
 
     csg = _csg(payload, progress)
     csg = replace(csg, materials={**csg.materials, **payload["materials"]})
-    choose_material(payload["material"], csg, pipeline.units_of(csg, payload["units"]))
-    check_names(MeshOptions(**payload["options"]), csg)
+    check_materials(payload["material"], payload["materials_of"], csg, pipeline.units_of(csg, payload["units"]))
+    check_names(MeshOptions(**payload["options"]), csg, materials_of=payload["materials_of"])
     meshed = _meshed(payload, csg, progress)
     return {
         "answer": meshed_answer(meshed).model_dump(mode="json"),

@@ -96,6 +96,9 @@ class MeshRequest(Schema):
     mass: Literal["plain", "exact"] = Field(default="plain", description="exact: densities scaled to the solid's mass")
     unchecked: bool = Field(default=False, description="keep the mesh even if it does not pass its own checks")
     material: str | None = Field(default=None, max_length=100)
+    materials: dict[str, str] = Field(
+        default_factory=dict, description="materials of single segments, by segment id, node path or name"
+    )
     units: str | None = Field(default=None, max_length=10)
     rulebase: str | None = Field(default=None, max_length=200)
     gap: float = Field(default=0.0, ge=0, description="faces no further apart than this count as touching")
@@ -148,6 +151,7 @@ def create_mesh(
     about = {
         **context.text_payload(model),
         "material": wanted.material,
+        "materials_of": wanted.materials,
         "units": units.name,
         "options": options,
         "only": wanted.only,
@@ -159,6 +163,7 @@ def create_mesh(
         **context.model_payload(model, wanted.rulebase, wanted.units, wanted.gap),
         "options": options,
         "material": wanted.material,
+        "materials_of": wanted.materials,
         "coupling": wanted.coupling,
         "joints": couplings,
         "mass": wanted.mass,

@@ -14,7 +14,7 @@ from fastapi import FastAPI, HTTPException
 from starlette.responses import FileResponse, RedirectResponse
 from starlette.staticfiles import StaticFiles
 
-from app.api import edits, meshing, models, problems, rulebases, segments
+from app.api import edits, meshing, metrics, models, problems, rulebases, segments
 from app.api.context import Context, Ctx
 from app.schemas import Problem
 from app.settings import Settings
@@ -49,6 +49,7 @@ def create_app(settings: Settings) -> FastAPI:
     for part in (models, segments, meshing, edits, rulebases):
         application.include_router(part.router)
     _add_service(application)
+    metrics.install(application, context)
     _document_problems(application)
     return application
 

@@ -330,3 +330,25 @@ def test_a_gap_wider_than_a_wall_is_a_problem(client, table):
     answer = client.get(f"/v1/models/{table}/segments?gap=30")
     assert answer.status_code == 422
     assert "gap is 30, but s1 is only 25 thick" in answer.json()["detail"]
+
+
+def test_a_segment_gets_a_material_of_its_own(client, table):
+    answer = client.post(f"/v1/models/{table}/meshes", json={"size": 100, "materials": {"TOP": "aluminium"}})
+    job = wait_for(client, answer.headers["location"])
+    deck = client.get(f"/v1/meshes/{job['mesh_id']}/deck?format=nastran").text
+    materials = [line for line in deck.splitlines() if line.startswith("MAT1")]
+    assert len(materials) == 2
+    heavy = client.post(f"/v1/models/{table}/meshes", json={"size": 100})
+    whole = wait_for(client, heavy.headers["location"])
+    light, steel = (client.get(f"/v1/meshes/{j['mesh_id']}").json()["mass"]["model"] for j in (job, whole))
+    top = 1500 * 800 * 25 * 1e-9
+    assert steel - light == pytest.approx(top * (7.85 - 2.7), rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("materials", "said"), [({"TOP": "cheese"}, "unknown material 'cheese'"), ({"LID": "steel"}, "'LID'")]
+)
+def test_a_material_or_node_of_none_is_refused_at_once(client, table, materials, said):
+    answer = client.post(f"/v1/models/{table}/meshes", json={"materials": materials})
+    assert answer.status_code == 422
+    assert said in answer.json()["detail"]
