@@ -220,7 +220,7 @@ def test_translations_on_a_line_define_no_rotation(points, weights, does):
     assert defines_rotation(np.array(points, float), np.array(weights, float)) is does
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(st.data())
 def test_any_heap_of_ties_ends_consistent_or_is_refused(data):
     """Rigid ties, averages and interpolations between random nodes of a plate and of posts on it."""

@@ -115,7 +115,7 @@ def models(draw):
 
 
 @given(models())
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 def test_any_model_comes_back_to_the_last_bit(model):
     assert_same(read_json_deck(JSON.write(model)), model)
 

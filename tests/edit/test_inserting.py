@@ -65,7 +65,7 @@ def assert_whole(edited, before, place):
 
 @pytest.mark.parametrize("kind", SHELLS)
 @given(x=st.floats(12, 88), y=st.floats(12, 48))
-@settings(max_examples=15, deadline=None)
+@settings(max_examples=15)
 def test_anywhere_inside_a_plate(kind, x, y):
     model = plate(kind)
     if node_there(model, (x, y, 0)) < 1e-3:
@@ -78,7 +78,7 @@ def test_anywhere_inside_a_plate(kind, x, y):
 
 @pytest.mark.parametrize("kind", SHELLS)
 @given(angle=st.floats(-np.pi, np.pi), z=st.floats(12, 88), seed=st.integers(0, 9))
-@settings(max_examples=8, deadline=None)
+@settings(max_examples=8)
 def test_anywhere_on_a_closed_tube_however_turned(kind, angle, z, seed):
     turned = np.linalg.qr(np.random.default_rng(seed).normal(size=(3, 3)))[0]
     model = tube(kind, turned=turned * np.sign(np.linalg.det(turned)))

@@ -8,7 +8,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from planar_regions import (
     assert_meshes,
@@ -68,7 +68,7 @@ def random_region(seed: int, is_even: bool, gap: float = 0.8) -> tuple[Region, f
     return region(rings, tuple(range(1, len(rings))), lines, points), size
 
 
-FEW = settings(max_examples=15, deadline=None, derandomize=True, suppress_health_check=[HealthCheck.too_slow])
+FEW = settings(max_examples=15)
 
 
 @FEW

@@ -6,14 +6,14 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from planar_regions import assert_meshes, corners_of, elements, hole, least_angles, line, region, scaled_jacobian
 
 from kernel.mesh.planar import mesh_region
 from kernel.mesh.region import Region, RegionMesh
 
-FEW = settings(max_examples=12, deadline=None, derandomize=True, suppress_health_check=[HealthCheck.too_slow])
+FEW = settings(max_examples=12)
 
 RECTANGLE = [(0.0, 0.0), (200.0, 0.0), (200.0, 100.0), (0.0, 100.0)]
 

@@ -163,7 +163,7 @@ def test_a_pipe_with_a_ring_and_a_hole_and_a_patch_over_its_seam() -> None:
     assert_meshes(pipe, mesh_region(pipe, 1.0))
 
 
-@settings(max_examples=25, deadline=None, derandomize=True)
+@settings(max_examples=25)
 @given(
     st.lists(st.integers(1, 14), unique=True, min_size=1, max_size=4),
     st.lists(st.integers(1, 9), unique=True, max_size=3),

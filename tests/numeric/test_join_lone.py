@@ -12,7 +12,7 @@ from kernel.numeric.halfedge import find_edge
 from kernel.numeric.join_lone import _N_WAY, _WAYS, join_lone
 from kernel.numeric.match import match_triangles
 
-FEW = settings(max_examples=40, deadline=None, derandomize=True)
+FEW = settings(max_examples=40)
 
 
 def polygon(points: np.ndarray):

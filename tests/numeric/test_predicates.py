@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from kernel.numeric.predicates import incircle, orient
 
 GRID = st.integers(0, 2**30)
-FEW = settings(max_examples=300, deadline=None, derandomize=True)
+FEW = settings(max_examples=300)
 
 
 def sign(value: int) -> int:

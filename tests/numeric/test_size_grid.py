@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from kernel.numeric.size_grid import base_grid, bilinear, size_grid, spread
 
-FEW = settings(max_examples=25, deadline=None, derandomize=True)
+FEW = settings(max_examples=25)
 
 
 def chain(x: np.ndarray, y: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -10,7 +10,7 @@ from kernel.mesh.smoothing import smooth
 from kernel.numeric.match import quad_scaled_jacobian
 from kernel.numeric.smooth_quads import quad_sines, smooth_quads
 
-FEW = settings(max_examples=40, deadline=None, derandomize=True)
+FEW = settings(max_examples=40)
 
 
 def grid(n: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -13,7 +13,7 @@ from kernel.numeric.predicates import incircle, orient
 from kernel.numeric.triangulation import triangulate
 
 NONE = np.empty(0, np.int32)
-FEW = settings(max_examples=40, deadline=None, derandomize=True)
+FEW = settings(max_examples=40)
 
 
 def hull_free(points: np.ndarray, edges: list[tuple[int, int]] | None = None) -> tuple:

@@ -29,21 +29,21 @@ def check(model, expected):
     assert is_answer(expected, found), told(found)
 
 
-@settings(max_examples=40, deadline=None, derandomize=True)
+@settings(max_examples=40)
 @given(model_name, st.tuples(angle, angle, angle), st.tuples(shift, shift, shift))
 def test_a_rigid_motion_gives_the_same_answer(name, angles, shifts):
     model = read_file(str(CASES / f"{name}.csg"))
     check(moved(model, rigid(angles, shifts)), EXPECTED[name]["answer"])
 
 
-@settings(max_examples=20, deadline=None, derandomize=True)
+@settings(max_examples=20)
 @given(model_name, st.tuples(angle, angle, angle))
 def test_a_mirrored_model_gives_the_same_answer(name, angles):
     model = read_file(str(CASES / f"{name}.csg"))
     check(moved(model, np.diag([-1.0, 1, 1, 1]) @ rigid(angles, (0, 0, 0))), EXPECTED[name]["answer"])
 
 
-@settings(max_examples=30, deadline=None, derandomize=True)
+@settings(max_examples=30)
 @given(model_name, st.floats(-3, 3))
 def test_a_scaled_model_gives_the_scaled_answer(name, power):
     factor = 10.0**power
@@ -51,13 +51,13 @@ def test_a_scaled_model_gives_the_scaled_answer(name, power):
     check(moved(model, np.diag([factor, factor, factor, 1])), scaled_answer(EXPECTED[name]["answer"], factor))
 
 
-@settings(max_examples=30, deadline=None, derandomize=True)
+@settings(max_examples=30)
 @given(model_name, st.integers(0, 10**6))
 def test_shuffled_operands_give_the_same_answer(name, seed):
     check(shuffled(read_file(str(CASES / f"{name}.csg")), seed), EXPECTED[name]["answer"])
 
 
-@settings(max_examples=20, deadline=None, derandomize=True)
+@settings(max_examples=20)
 @given(model_name, st.tuples(angle, angle, angle))
 def test_a_placement_with_six_digits_gives_the_same_answer(name, angles):
     placed = rigid(angles, (12.5, -40.25, 7.75))

@@ -60,7 +60,7 @@ def assert_same(one: CsgNode, other: CsgNode, scale: float = 1.0) -> None:
 UNIT = st.floats(-1, 1).filter(lambda x: abs(x) > 0.01)
 
 
-@settings(max_examples=12, deadline=None, derandomize=True)
+@settings(max_examples=12)
 @given(
     name=st.sampled_from(sorted(MODELS)),
     axis=st.tuples(UNIT, UNIT, UNIT),
@@ -95,7 +95,7 @@ def shuffled(node: CsgNode, random) -> CsgNode:
     return Boolean(operation=node.operation, children=(*fixed, *free))
 
 
-@settings(max_examples=15, deadline=None, derandomize=True)
+@settings(max_examples=15)
 @given(name=st.sampled_from(sorted(MODELS)), random=st.randoms(use_true_random=False))
 def test_shuffled_operands_give_the_same_solid_to_the_last_bit(name, random) -> None:
     one, other = evaluated(MODELS[name]()), evaluated(shuffled(MODELS[name](), random))
@@ -107,7 +107,7 @@ def test_shuffled_operands_give_the_same_solid_to_the_last_bit(name, random) -> 
         assert (a.surface_id, a.side, a.area) == (b.surface_id, b.side, b.area)
 
 
-@settings(max_examples=25, deadline=None, derandomize=True)
+@settings(max_examples=25)
 @given(
     corners=st.lists(
         st.tuples(*[st.integers(0, 6)] * 3, *[st.integers(1, 4)] * 3),
@@ -126,7 +126,7 @@ def test_unions_of_blocks_have_the_volume_of_their_cells(corners) -> None:
     assert solid.area == pytest.approx(shown, rel=1e-12)
 
 
-@settings(max_examples=15, deadline=None, derandomize=True)
+@settings(max_examples=15)
 @given(st.lists(st.tuples(*[st.integers(0, 6)] * 3, *[st.integers(1, 4)] * 3), min_size=2, max_size=5), st.data())
 def test_a_solid_is_its_difference_and_its_intersection_together(corners, data) -> None:
     blocks = [Block(size=(a, b, c), placement=at(x, y, z)) for x, y, z, a, b, c in corners]

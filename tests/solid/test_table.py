@@ -63,7 +63,7 @@ def test_a_faceted_surface_has_no_form() -> None:
             ask(surface, points)
 
 
-@settings(max_examples=50, deadline=None, derandomize=True)
+@settings(max_examples=50)
 @given(st.tuples(*[st.floats(-1, 1)] * 3).filter(lambda n: np.linalg.norm(n) > 1e-3))
 def test_plane_frames_are_right_handed(normal) -> None:
     frame = plane_frame(np.array(normal))
@@ -112,7 +112,7 @@ def test_round_surfaces_are_found_again() -> None:
     assert table.other("one") != table.other("one")
 
 
-@settings(max_examples=50, deadline=None, derandomize=True)
+@settings(max_examples=50)
 @given(
     st.lists(st.tuples(*[st.floats(-5, 5)] * 2), min_size=1, max_size=30, unique=True),
     st.tuples(*[st.floats(-1, 1)] * 2),
