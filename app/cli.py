@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Annotated, NoReturn
 
 import typer
 
-from app import cli_batch, cli_edits, cli_mesh, cli_rules, texts
+from app import cli_batch, cli_edits, cli_mesh, cli_rules, cli_token, texts
 from app.cli_arguments import GapOption, JsonOption, ModelArgument, OverrideOption, RulesOption, UnitsOption, overrides
 from app.collector import collect_rarely
 from app.output import check_writable, write_files
@@ -146,6 +146,7 @@ def quality(
 
 app.add_typer(cli_edits.app)
 app.add_typer(cli_rules.app)
+app.add_typer(cli_token.app)
 
 
 @app.command(epilog="Example: csgmesh serve --port 8931 --data ~/csgmesh")

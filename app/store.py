@@ -113,6 +113,19 @@ class RuleBaseRow(Table):
     is_active: Mapped[bool] = mapped_column(default=False)
 
 
+class TokenRow(Table):
+    """A token that opens the service; `digest` is all that is kept of it. expires: None for good."""
+
+    __tablename__ = "tokens"
+    id: Mapped[str] = mapped_column(primary_key=True)
+    name: Mapped[str]
+    digest: Mapped[str] = mapped_column(unique=True)
+    created: Mapped[str]
+    expires: Mapped[str | None] = mapped_column(default=None)
+    revoked: Mapped[str | None] = mapped_column(default=None)
+    used: Mapped[str | None] = mapped_column(default=None)
+
+
 @dataclass(frozen=True, slots=True)
 class Counts:
     """What is on record; jobs by state."""
@@ -333,6 +346,42 @@ class Store:
         with self._session() as session:
             session.execute(update(RuleBaseRow).values(is_active=False))
             session.execute(chosen.values(is_active=True))
+
+    # tokens
+
+    def add_token(self, name: str, digest: str, expires: str | None) -> TokenRow:
+        """Keep a token's hash."""
+        row = TokenRow(new_id(), name, digest, now(), expires)
+        with self._session() as session:
+            session.add(row)
+        return row
+
+    def tokens(self) -> Sequence[TokenRow]:
+        """Every token, revoked and expired ones too, oldest first."""
+        with self._session() as session:
+            return session.scalars(select(TokenRow).order_by(TokenRow.created, TokenRow.id)).all()
+
+    def has_tokens(self) -> bool:
+        """Whether there ever was a token."""
+        with self._session() as session:
+            return session.scalar(select(TokenRow.id).limit(1)) is not None
+
+    def token_of(self, digest: str) -> TokenRow | None:
+        """The token with this hash."""
+        with self._session() as session:
+            return session.scalar(select(TokenRow).where(TokenRow.digest == digest))
+
+    def revoke_token(self, token_id: str) -> TokenRow:
+        """Revoke a token that is there; gives it as it is now."""
+        with self._session() as session:
+            row = session.get_one(TokenRow, token_id)
+            row.revoked = row.revoked or now()
+            return row
+
+    def note_use(self, token_id: str) -> None:
+        """A token was used now."""
+        with self._session() as session:
+            session.execute(update(TokenRow).where(TokenRow.id == token_id).values(used=now()))
 
     @contextmanager
     def _session(self) -> Iterator[Session]:

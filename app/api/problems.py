@@ -30,6 +30,7 @@ ROUTING = {
 
 RESPONSES = {
     400: "The request is malformed",
+    401: "The request needs a token that holds",
     404: "There is no such thing",
     409: "The input is fine, but this cannot be done; the segment and the reason are named",
     413: "The body is too long",
@@ -50,7 +51,7 @@ def documented(example: Any, *statuses: int, media_type: str = "application/json
 
 
 def _documented(status: int) -> dict[str, Any]:
-    example = _plain(status, RESPONSES[status]).model_dump(exclude_none=True)
+    example = plain_problem(status, RESPONSES[status]).model_dump(exclude_none=True)
     if status == 422:
         example = problem(
             {
@@ -77,7 +78,7 @@ def install(application: FastAPI) -> None:
         detail = str(error.detail)
         if detail in ROUTING:  # the router's own words, which say neither what nor where
             detail = f"{request.method} {request.url.path}: {ROUTING[detail]}"
-        return respond(_plain(error.status_code, detail), error.headers)
+        return respond(plain_problem(error.status_code, detail), error.headers)
 
     def invalid(request: Request, error: Exception) -> JSONResponse:
         assert isinstance(error, RequestValidationError)
@@ -136,7 +137,8 @@ def respond(details: Problem, headers: Any = None) -> JSONResponse:
     return JSONResponse(content, details.status, headers=headers, media_type=MEDIA_TYPE)
 
 
-def _plain(status: int, detail: str) -> Problem:
+def plain_problem(status: int, detail: str) -> Problem:
+    """Problem details of no class of ours."""
     return Problem(
         type="about:blank", title=RESPONSES.get(status, "The request is refused"), status=status, detail=detail
     )
@@ -186,4 +188,4 @@ class BodyLimit:
 
 
 def _too_long(bound: int) -> Problem:
-    return _plain(413, f"the body is longer than {bound} bytes")
+    return plain_problem(413, f"the body is longer than {bound} bytes")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import errno
+import ipaddress
 import socket
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
@@ -14,7 +15,7 @@ from fastapi import FastAPI, HTTPException
 from starlette.responses import FileResponse, RedirectResponse
 from starlette.staticfiles import StaticFiles
 
-from app.api import edits, meshing, metrics, models, problems, rulebases, segments
+from app.api import access, edits, meshing, metrics, models, problems, rulebases, segments
 from app.api.context import Context, Ctx
 from app.schemas import Problem
 from app.settings import Settings
@@ -28,8 +29,7 @@ def create_app(settings: Settings) -> FastAPI:
     context = Context(settings)
 
     @asynccontextmanager
-    async def life(application: FastAPI) -> AsyncIterator[None]:
-        application.state.context = context
+    async def life(_application: FastAPI) -> AsyncIterator[None]:
         context.jobs.start()
         try:
             yield
@@ -45,10 +45,12 @@ def create_app(settings: Settings) -> FastAPI:
         docs_url=None,  # FastAPI's own pages load their scripts from another server; ours is in _add_service
         redoc_url=None,
     )
+    application.state.context = context
     problems.install(application)
     for part in (models, segments, meshing, edits, rulebases):
         application.include_router(part.router)
     _add_service(application)
+    access.install(application, context)
     metrics.install(application, context)
     _document_problems(application)
     return application
@@ -65,7 +67,13 @@ def run_server(settings: Settings) -> None:
     application = create_app(settings)
     listener = _listen(settings.host, settings.port)
     host, port = listener.getsockname()[:2]
-    structlog.get_logger().info("listening", url=f"http://{host}:{port}/", data=str(settings.data))
+    log = structlog.get_logger()
+    if (
+        not ipaddress.ip_address(host.partition("%")[0]).is_loopback
+        and not application.state.context.store.has_tokens()
+    ):
+        log.warning("whoever reaches this address may do everything; `csgmesh token create NAME` closes it", host=host)
+    log.info("listening", url=f"http://{host}:{port}/", data=str(settings.data))
     config = uvicorn.Config(application, log_level="warning", access_log=False, timeout_graceful_shutdown=3)
     uvicorn.Server(config).run(sockets=[listener])
 
@@ -131,8 +139,12 @@ def _document_problems(application: FastAPI) -> None:
         schemas.update({**schema.pop("$defs", {}), "Problem": schema})
         for name in ("HTTPValidationError", "ValidationError"):
             schemas.pop(name, None)
-        for operations in document["paths"].values():
+        document["components"]["securitySchemes"] = {"token": {"type": "http", "scheme": "bearer"}}
+        for path, operations in document["paths"].items():
             for operation in operations.values():
+                if access.is_guarded(path):
+                    operation["security"] = [{}, {"token": []}]  # none is needed while the service has no tokens
+                    operation["responses"].setdefault("401", problems.problem_responses(401)[401])
                 if "422" in operation["responses"]:
                     operation["responses"]["422"] = problems.problem_responses(422)[422]
         return document

@@ -31,17 +31,44 @@ function tell(message) {
   byId("message").hidden = !message;
 }
 
-// A request whose failure is an Error with the service's own message.
+// A request whose failure is an Error with the service's own message; where the service wants a token, asks for it first.
 async function ask(method, path, body, type = "application/json") {
   const options = { method };
   if (body !== undefined) Object.assign(options, { body, headers: { "Content-Type": type } });
-  const answer = await fetch(path, options);
+  let answer = await fetch(path, options);
+  if (answer.status === 401) {
+    await giveToken();
+    answer = await fetch(path, options);
+  }
   if (answer.ok) return answer;
   const problem = await answer.json().catch(() => ({}));
   throw new Error(problem.detail || `${answer.status} ${answer.statusText}`);
 }
 
 const askJson = async (method, path, body) => (await ask(method, path, body && JSON.stringify(body))).json();
+
+// Asks for a token until the service takes one and keeps it as a cookie; the same question for all who wait.
+let tokenGiven = null;
+function giveToken() {
+  tokenGiven ??= new Promise((resolve) => {
+    const dialog = byId("token-dialog");
+    dialog.addEventListener("cancel", (event) => event.preventDefault());
+    byId("token-form").onsubmit = async (event) => {
+      event.preventDefault();
+      const body = JSON.stringify({ token: byId("token").value.trim() });
+      const answer = await fetch("/v1/session", { method: "POST", body, headers: { "Content-Type": "application/json" } });
+      byId("token-message").hidden = answer.ok;
+      byId("token-message").textContent = answer.ok ? "" : "The service does not know this token, or it holds no longer.";
+      if (!answer.ok) return;
+      byId("token").value = "";
+      dialog.close();
+      tokenGiven = null;
+      resolve();
+    };
+    dialog.showModal();
+  });
+  return tokenGiven;
+}
 
 // Run an action; whatever goes wrong in it is told on the page.
 async function attempt(action) {

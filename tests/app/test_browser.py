@@ -5,10 +5,15 @@ import re
 import subprocess
 import sys
 import urllib.request
+from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
 from browser import Browser, find_browser
+
+from app.settings import load_settings
+from app.store import Store
+from app.tokens import create_token
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
 
@@ -17,7 +22,12 @@ pytestmark = pytest.mark.skipif(find_browser() is None, reason="Chromium is a pr
 
 @pytest.fixture(scope="module")
 def url(tmp_path_factory):
-    data = str(tmp_path_factory.mktemp("data"))
+    with serving(str(tmp_path_factory.mktemp("data"))) as url:
+        yield url
+
+
+@contextmanager
+def serving(data):
     command = [sys.executable, "-c", "from app.cli import main; main()", "serve", "--port", "0", "--data", data]
     with subprocess.Popen(command, stderr=subprocess.PIPE, text=True) as service:
         yield re.search(r"http://[\d.:]+/", service.stderr.readline()).group()
@@ -177,3 +187,26 @@ def test_every_operation_is_listed_with_what_it_wants_and_gives(page, url):
     said = page.run("document.getElementById('operations').textContent")
     assert "POST /v1/models/{model_id}/meshes" in said and "target length of an element's edge" in said
     assert page.run("document.getElementById('message').hidden")
+
+
+def test_a_service_with_tokens_asks_for_one_and_then_works(browser, tmp_path):
+    store = Store(load_settings(data=str(tmp_path)).database)
+    secret, _ = create_token(store, "anna")
+    store.close()
+    with serving(str(tmp_path)) as url:
+        browser.open(url)
+        browser.wait(f"{by('token-dialog')}.open")
+        browser.run(f"{by('token')}.value = 'csgmesh_wrong'; {by('token-button')}.click()")
+        browser.wait("!document.getElementById('token-message').hidden")
+        browser.run(f"{by('token')}.value = {secret!r}; {by('token-button')}.click()")
+        browser.wait(f"!{by('token-dialog')}.open")
+        browser.wait(f"{by('deck-format')}.options.length > 0")
+        open_example(browser, "Table", 5)
+        browser.run(f"{by('mesh-button')}.click()")
+        browser.wait(f"{by('quality-summary')}.innerText.includes('node')", 120)
+        path = browser.run(f"{by('download-deck')}.getAttribute('href')")
+        assert browser.run(f"fetch({path!r}).then(answer => answer.text())").startswith("$")
+        browser.open(url)  # the cookie stays
+        browser.wait(f"{by('deck-format')}.options.length > 0")
+        assert not browser.run(f"{by('token-dialog')}.open")
+    assert browser.errors == []

@@ -58,6 +58,8 @@ def test_help_names_every_command_and_only_those_that_work(csgmesh):
 def test_every_command_has_an_example(csgmesh):
     for name in ("mesh", "batch", "classify", "tree", "evaluate", "quality", "serve", "merge", "connect", "edit"):
         assert f"Example: csgmesh {name} " in csgmesh(name, "--help")
+    for name in ("create", "list", "revoke"):
+        assert f"Example: csgmesh token {name}" in csgmesh("token", name, "--help")
     for name in ("check", "test", "coverage", "diff", "docs"):
         assert f"Example: csgmesh rules {name} " in csgmesh("rules", name, "--help")
 
