@@ -29,10 +29,18 @@ INTERACTIVE_WORKERS = 2
 INTERACTIVE_DEADLINE = 120.0
 """Seconds that a request may keep an interactive worker busy."""
 
+MOST_WAITING = 20
+"""Requests that may wait for an interactive worker: half of the server's threads, so that answers which need no worker
+(a job's state, whether the service lives) come however many ask for long work."""
+
 IDLE_WAIT = 1.0
 """Seconds after which an idle thread looks into the store unasked."""
 
 log = structlog.get_logger()
+
+
+class Busy(Exception):
+    """So many requests wait for an interactive worker that one more is to come again later."""
 
 
 class Jobs:
@@ -48,6 +56,7 @@ class Jobs:
         self._idle: queue.LifoQueue[Worker] = queue.LifoQueue()  # the last one used comes first: it is warm
         for worker in self._interactive:
             self._idle.put(worker)
+        self._waiting = threading.BoundedSemaphore(MOST_WAITING + INTERACTIVE_WORKERS)
         self._doing: dict[str, Worker] = {}
         self._threads = [
             threading.Thread(target=self._take_jobs, args=(worker,), name=f"jobs-{k}", daemon=True)
@@ -91,12 +100,17 @@ class Jobs:
         return True
 
     def call(self, task: str, payload: Payload) -> Any:
-        """Do a short task in an interactive worker and wait for it; raises what it raises."""
-        worker = self._idle.get()
+        """Do a short task in an interactive worker and wait for it; raises what it raises. Busy: too many wait."""
+        if not self._waiting.acquire(blocking=False):
+            raise Busy(f"{MOST_WAITING} requests wait for a worker already, expected to come again later")
         try:
-            return worker.call(task, payload, deadline=INTERACTIVE_DEADLINE)
+            worker = self._idle.get()
+            try:
+                return worker.call(task, payload, deadline=INTERACTIVE_DEADLINE)
+            finally:
+                self._idle.put(worker)
         finally:
-            self._idle.put(worker)
+            self._waiting.release()
 
     def occupied(self) -> tuple[int, int]:
         """(workers that do a job, workers for jobs)."""

@@ -8,7 +8,7 @@ from collections.abc import AsyncIterator
 from typing import Annotated, Any, Literal
 
 from fastapi import APIRouter, Body, HTTPException, Query, Request, Response
-from pydantic import Field
+from pydantic import Field, FiniteFloat
 from starlette.concurrency import run_in_threadpool
 from starlette.responses import StreamingResponse
 
@@ -101,7 +101,7 @@ class MeshRequest(Schema):
     )
     units: str | None = Field(default=None, max_length=10)
     rulebase: str | None = Field(default=None, max_length=200)
-    gap: float = Field(default=0.0, ge=0, description="faces no further apart than this count as touching")
+    gap: FiniteFloat = Field(default=0.0, ge=0, description="faces no further apart than this count as touching")
 
 
 class JobResource(Schema):

@@ -13,6 +13,7 @@ from starlette.responses import JSONResponse
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from app.failure import failure, problem
+from app.jobs import Busy
 from app.schemas import Problem
 from app.settings import MAX_MODEL_BYTES, MAX_REQUEST_BYTES
 from kernel.errors import CsgmeshError
@@ -21,6 +22,9 @@ from kernel.words import did_you_mean
 MEDIA_TYPE = "application/problem+json"
 MULTIPART_SLACK = 10_000
 """Bytes that a multipart body may have around its file."""
+
+RETRY_AFTER = "5"
+"""Seconds after which a request that found the service busy may come again."""
 
 ROUTING = {
     "Not Found": "there is no such path, expected one of those that /docs lists",
@@ -36,6 +40,7 @@ RESPONSES = {
     413: "The body is too long",
     422: "The input is wrong",
     500: "A defect of csgmesh",
+    503: "The service cannot do this now",
 }
 
 
@@ -85,7 +90,11 @@ def install(application: FastAPI) -> None:
         message = invalid_message(error.errors()[0], request)
         return respond(problem({"class": "OptionError", "exit_status": 2, "message": message}))
 
+    def busy(_request: Request, error: Exception) -> JSONResponse:
+        return respond(plain_problem(503, str(error)), {"Retry-After": RETRY_AFTER})
+
     application.add_exception_handler(CsgmeshError, known)
+    application.add_exception_handler(Busy, busy)
     application.add_exception_handler(HTTPException, refused)
     application.add_exception_handler(RequestValidationError, invalid)
     application.add_exception_handler(Exception, known)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from typing import Annotated, Any
 
 from fastapi import APIRouter, Body, HTTPException, Response
@@ -15,6 +16,9 @@ from app.store import RuleBaseRow
 router = APIRouter(prefix="/v1/rulebases", tags=["rule bases"])
 
 MAX_RULE_TEXT = 500_000
+
+ADDRESSABLE = re.compile(r"\w[\w .-]*")
+"""Names of rule bases that paths and `name@version` can hold."""
 
 RULES_EXAMPLE = """\
 name: house
@@ -100,6 +104,10 @@ def create_rule_base(response: Response, context: Ctx, sent: TextBody) -> RuleBa
     base = context.ask("rules_load", {"rules": {"name": "-", "text": sent.text}})
     if base["name"] == OWN_RULES:
         raise HTTPException(409, f"the name {OWN_RULES!r} is that of the rule base that comes with csgmesh")
+    if not ADDRESSABLE.fullmatch(base["name"]):
+        raise HTTPException(
+            422, f"the name {base['name']!r} cannot stand in an address, expected letters, digits, blanks, _ . and -"
+        )
     text = context.artifacts.put(sent.text.encode())
     row = context.store.add_rule_base(base["name"], base["version"], text, sent.author)
     response.headers["Location"] = f"/v1/rulebases/{row.name}/versions/{row.version}"

@@ -6,7 +6,7 @@ import json
 from typing import Annotated, Any, Literal
 
 from fastapi import APIRouter, Body, HTTPException, Query, Response
-from pydantic import Field
+from pydantic import Field, FiniteFloat
 
 from app.api.context import Context, Ctx
 from app.api.problems import documented, problem_responses
@@ -22,7 +22,7 @@ RulebaseQuery = Annotated[
 ]
 
 GapQuery = Annotated[
-    float, Query(ge=0, examples=[0.1], description="faces no further apart than this count as touching")
+    FiniteFloat, Query(ge=0, examples=[0.1], description="faces no further apart than this count as touching")
 ]
 
 SEGMENTS_EXAMPLE = {

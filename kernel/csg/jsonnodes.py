@@ -35,7 +35,7 @@ from kernel.csg.tree import (
 )
 from kernel.errors import Place, ReadError
 from kernel.units import UNIT_SETS
-from kernel.words import did_you_mean
+from kernel.words import did_you_mean, is_writable
 
 Path = tuple[str | int, ...]
 
@@ -87,6 +87,8 @@ class JsonReader:
         materials: dict[str, dict[str, float]] = {}
         for name, properties in self._object(value or {}, ("materials",)).items():
             path: Path = ("materials", name)
+            if not is_writable(name):
+                raise self._error(("materials",), f"has {_shown(name)}, expected names of letters that can be written")
             given: dict[str, float] = {}
             for key, number in self._object(properties, path).items():
                 given[key.upper()] = self._number(number, (*path, key))
@@ -117,7 +119,7 @@ class JsonReader:
         if fields.get("placement") is not None:
             matrix = outer @ self._placement(fields["placement"], (*path, "placement"))
         name = fields.get("name")
-        if name is not None and (not isinstance(name, str) or not name):
+        if name is not None and not (isinstance(name, str) and name and is_writable(name)):
             raise self._error((*path, "name"), f"is {_shown(name)}, expected a text or nothing")
         where = self._own_place(fields.get("place"), path)
         if kind in BOOLEANS:

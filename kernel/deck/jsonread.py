@@ -22,6 +22,7 @@ from kernel.materials import Material, checked_material
 from kernel.mesh.elements import ELEMENT_KINDS
 from kernel.mesh.mesh import ElementBlock, Mesh
 from kernel.units import unit_set
+from kernel.words import is_writable
 
 if TYPE_CHECKING:
     from shapely import MultiPolygon, Polygon
@@ -89,10 +90,12 @@ class _Value:
         """The members of an object."""
         if not isinstance(self.value, dict):
             raise self.refuse("an object")
+        if not all(map(is_writable, self.value)):
+            raise self.refuse("names of letters that can be written")
         return {key: self[key] for key in self.value}
 
     def text(self) -> str:
-        if not isinstance(self.value, str):
+        if not isinstance(self.value, str) or not is_writable(self.value):
             raise self.refuse("a text")
         return self.value
 

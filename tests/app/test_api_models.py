@@ -113,6 +113,7 @@ def test_every_operation_is_documented_with_an_example(client):
         ({"sise": 3}, "did you mean 'size'?"),
         ({"order": 3}, "order is 3, expected 1 or 2"),
         ({"size": "abc"}, 'size is "abc", expected a valid number'),
+        ('{"gap": Infinity}', "gap is Infinity, expected a finite number"),
         ([1, 2], "the body is [1, 2], expected an object with the fields size, sizes, "),
         ("{", "the body is no JSON: "),
     ],

@@ -115,3 +115,25 @@ def test_a_long_request_holds_up_neither_another_nor_an_answer_that_is_known(set
             context.jobs._idle.put(worker)
         waiting.join(30)
         assert answers[0]["language"] == "openscad"
+
+
+def test_too_many_requests_for_long_work_are_told_to_come_again_and_others_are_answered(settings, monkeypatch):
+    monkeypatch.setattr("app.jobs.MOST_WAITING", 1)
+    with TestClient(create_app(settings)) as client:
+        jobs = client.app.state.context.jobs
+        model = client.post("/v1/models", content=PLATE, headers=TEXT).headers["location"]
+        held = [jobs._idle.get() for _ in range(INTERACTIVE_WORKERS)]
+        calls = [threading.Thread(target=jobs.call, args=("read", {"text": PLATE, "name": "a"})) for _ in range(3)]
+        for call in calls:  # as many as there are workers, and one that may wait
+            call.start()
+        wait_until(lambda: jobs._waiting._value == 0)
+        refused = client.get(f"{model}/segments")
+        assert refused.status_code == 503 and refused.headers["retry-after"] == "5"
+        assert refused.headers["content-type"] == "application/problem+json"
+        assert "1 requests wait" in refused.json()["detail"]
+        assert client.get("/healthz").status_code == client.get(model).status_code == 200
+        for worker in held:
+            jobs._idle.put(worker)
+        for call in calls:
+            call.join(60)
+        assert client.get(f"{model}/segments").status_code == 200

@@ -120,6 +120,13 @@ def test_a_sent_rule_base_is_kept_checked_tested_compared_and_activated(client):
     assert "beam" in types()
 
 
+@pytest.mark.parametrize("name", ["a/b", "a@b", ".."])
+def test_a_rule_base_whose_name_no_address_could_hold_is_not_kept(client, name):
+    answer = client.post("/v1/rulebases", json={"text": f"name: '{name}'\nextends: base\n"})
+    assert answer.status_code == 422 and f"the name {name!r} cannot stand in an address" in answer.json()["detail"]
+    assert name not in [base["name"] for base in client.get("/v1/rulebases").json()]
+
+
 def test_a_wrong_rule_base_is_not_kept_and_its_place_is_named(client):
     answer = client.post("/v1/rulebases", json={"text": WRONG})
     assert answer.status_code == 422 and answer.json()["place"]["line"] == 5

@@ -215,6 +215,7 @@ BALL = {"kind": "sphere", "radius": 1}
             "m.json: /root/height is no field of a sphere, expected kind, name, placement, place or radius",
         ),
         ({"root": {**BALL, "name": ""}}, "m.json: /root/name is '', expected a text or nothing"),
+        ({"root": {**BALL, "name": "a\ud800"}}, "m.json: /root/name is 'a\\ud800', expected a text or nothing"),
         (
             {"root": {**BALL, "place": {"line": 0, "column": 1}}},
             "m.json: /root/place/line is 0, expected a whole number from 1 to 9007199254740992",

@@ -164,6 +164,7 @@ def changed(path, value):
         (("properties", 1, "section", "j"), 0.0, r"properties\[1\]\.section\.j is 0\.0, expected a number above 0"),
         (("properties", 0, "thickness"), -1, r"properties\[0\]\.thickness is -1, expected a number above 0"),
         (("units",), "parsec", "unknown units"),
+        (("title",), "\udfff", "title is .*, expected a text"),
         (("sets",), {}, "sets is {}, expected a list"),
     ],
 )
