@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import secrets
 import stat
 import tempfile
 from collections.abc import Mapping
@@ -11,6 +12,14 @@ from pathlib import Path
 from kernel.errors import OptionError
 
 EXPECTED = "a path in a folder that files can be written to"
+
+NEW = os.O_WRONLY | os.O_CREAT | os.O_EXCL | getattr(os, "O_CLOEXEC", 0) | getattr(os, "O_BINARY", 0)
+
+NEW_MODE = 0o666
+"""Of a new file, less what the process's umask takes: asking for the umask would set it for all threads."""
+
+OWN_MODE = 0o600
+"""Of a file that is to replace another, until it gets that one's."""
 
 
 def check_writable(path: str) -> None:
@@ -44,13 +53,16 @@ def write_files(contents: Mapping[str, bytes]) -> None:
             if _is_special(target):
                 target.write_bytes(content)
                 continue
-            handle, temporary = tempfile.mkstemp(prefix=f".{target.name[:40]}.", suffix=".part", dir=target.parent)
+            mode = stat.S_IMODE(target.stat().st_mode) if target.exists() else None
+            temporary = str(target.parent / f".{target.name[:40]}.{secrets.token_hex(8)}.part")
+            handle = os.open(temporary, NEW, NEW_MODE if mode is None else OWN_MODE)
             waiting.append((temporary, target))
             with os.fdopen(handle, "wb") as stream:
                 stream.write(content)
                 stream.flush()
                 os.fsync(stream.fileno())
-            os.chmod(temporary, _mode(target))
+            if mode is not None:
+                os.chmod(temporary, mode)
         while waiting:
             temporary, target = waiting[0]
             path = str(target)
@@ -67,12 +79,3 @@ def write_files(contents: Mapping[str, bytes]) -> None:
 
 def _is_special(target: Path) -> bool:
     return target.exists() and not stat.S_ISREG(target.stat().st_mode)
-
-
-def _mode(target: Path) -> int:
-    """The mode of the file that is replaced, or what a new file would get."""
-    if target.exists():
-        return stat.S_IMODE(target.stat().st_mode)
-    mask = os.umask(0)
-    os.umask(mask)
-    return 0o666 & ~mask

@@ -52,7 +52,7 @@ class Browser:
 
     def close(self):
         self._process.terminate()
-        self._process.wait(20)
+        self._process.wait(120)
         os.close(self._out)
         os.close(self._in)
 

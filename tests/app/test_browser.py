@@ -32,7 +32,7 @@ def serving(data):
     with subprocess.Popen(command, stderr=subprocess.PIPE, text=True) as service:
         yield re.search(r"http://[\d.:]+/", service.stderr.readline()).group()
         service.terminate()
-        service.communicate(timeout=20)
+        service.communicate(timeout=120)
 
 
 @pytest.fixture(scope="module")

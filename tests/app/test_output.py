@@ -35,6 +35,12 @@ def test_a_replaced_file_keeps_its_mode_and_a_new_one_follows_the_umask(tmp_path
     assert (tmp_path / "new").stat().st_mode & 0o777 == 0o640
 
 
+def test_the_umask_is_left_alone_for_it_is_that_of_all_threads(tmp_path, monkeypatch):
+    monkeypatch.setattr(os, "umask", None)
+    write_files({str(tmp_path / "new"): b"x"})
+    assert (tmp_path / "new").read_bytes() == b"x"
+
+
 def test_a_link_is_followed(tmp_path):
     (tmp_path / "link").symlink_to(tmp_path / "target")
     write_files({str(tmp_path / "link"): b"x"})
