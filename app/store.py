@@ -15,13 +15,28 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
 
-from sqlalchemy import Engine, ForeignKey, create_engine, delete, event, func, select, update
+from sqlalchemy import (
+    Engine,
+    Float,
+    ForeignKey,
+    UniqueConstraint,
+    create_engine,
+    delete,
+    event,
+    func,
+    select,
+    text,
+    update,
+)
 from sqlalchemy.exc import SQLAlchemyError
 from sqlalchemy.orm import DeclarativeBase, Mapped, MappedAsDataclass, Session, mapped_column
 from sqlalchemy.pool import NullPool
 
 from app.failure import failure
 from kernel.errors import DefectError, OptionError
+
+SCHEMA = "0001"
+"""The newest step of app/migrations: a database that is at it needs none."""
 
 FINISHED = ("done", "failed", "cancelled")
 STATES = ("queued", "running", *FINISHED)
@@ -81,7 +96,7 @@ class JobRow(Table):
     created: Mapped[str]
     sequence: Mapped[int]
     stage: Mapped[str] = mapped_column(default="")
-    progress: Mapped[float] = mapped_column(default=0.0)
+    progress: Mapped[float] = mapped_column(Float, default=0.0)
     attempts: Mapped[int] = mapped_column(default=0)
     started: Mapped[str | None] = mapped_column(default=None)
     finished: Mapped[str | None] = mapped_column(default=None)
@@ -117,9 +132,10 @@ class TokenRow(Table):
     """A token that opens the service; `digest` is all that is kept of it. expires: None for good."""
 
     __tablename__ = "tokens"
+    __table_args__ = (UniqueConstraint("digest", name="uq_tokens_digest"),)
     id: Mapped[str] = mapped_column(primary_key=True)
     name: Mapped[str]
-    digest: Mapped[str] = mapped_column(unique=True)
+    digest: Mapped[str]
     created: Mapped[str]
     expires: Mapped[str | None] = mapped_column(default=None)
     revoked: Mapped[str | None] = mapped_column(default=None)
@@ -153,7 +169,14 @@ class Store:
     def __init__(self, database: str) -> None:
         try:
             self._engine = _engine(database)
-            Table.metadata.create_all(self._engine)
+            try:
+                if _schema_of(self._engine) != SCHEMA:
+                    from app.migrations import upgrade
+
+                    upgrade(self._engine)
+            except BaseException:
+                self._engine.dispose()
+                raise
         except (SQLAlchemyError, ImportError) as error:
             reason = str(error).splitlines()[0]
             raise OptionError(f"the database {_without_password(database)} cannot be opened: {reason}") from error
@@ -258,8 +281,8 @@ class Store:
     def claim_job(self) -> JobRow | None:
         """The oldest queued job, now running; None where none is queued. No two callers get the same one."""
         with self._session() as session:
-            query = select(JobRow).where(JobRow.state == "queued").order_by(JobRow.sequence).limit(1)
-            job = session.scalar(query)
+            query = select(JobRow).where(JobRow.state == "queued").order_by(JobRow.sequence, JobRow.id).limit(1)
+            job = session.scalar(query.with_for_update(skip_locked=True))  # which SQLite leaves out, and need not have
             if job is None:
                 return None
             taken = update(JobRow).where(JobRow.id == job.id, JobRow.state == "queued")
@@ -405,6 +428,14 @@ def _without_password(database: str) -> str:
 
 def _changed(result: Any) -> bool:
     return bool(result.rowcount)
+
+
+def _schema_of(engine: Engine) -> str | None:
+    """The step that a database is at, None where it has no tables of ours."""
+    with engine.connect() as connection:
+        if not engine.dialect.has_table(connection, "alembic_version"):
+            return None
+        return connection.scalar(text("SELECT version_num FROM alembic_version"))
 
 
 def _engine(database: str) -> Engine:

@@ -38,7 +38,8 @@ def settings(tmp_path):
     return load_settings(data=str(tmp_path), workers=1)
 
 
-def test_what_was_queued_or_running_when_the_server_stopped_is_done_by_the_next(settings):
+def test_what_was_queued_or_running_when_the_server_stopped_is_done_by_the_next(tmp_path, database):
+    settings = load_settings(data=str(tmp_path), database=database, workers=1)
     with TestClient(create_app(settings)) as client:
         running, queued = submit(client, 20), submit(client, 25)
         wait_until(lambda: state(client, running) == "running")

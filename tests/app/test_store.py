@@ -1,15 +1,21 @@
 """The store: the job table is the truth."""
 
+import threading
+
 import pytest
+from alembic.autogenerate import compare_metadata
+from alembic.runtime.migration import MigrationContext
+from sqlalchemy import create_engine, text
 
 from app.artifacts import Artifacts
-from app.store import Outcome, Store
+from app.migrations import newest
+from app.store import SCHEMA, ModelRow, Outcome, Store, Table
 from kernel.errors import DefectError, OptionError
 
 
 @pytest.fixture
-def store(tmp_path):
-    store = Store(f"sqlite:///{tmp_path / 'state.db'}")
+def store(database):
+    store = Store(database)
     yield store
     store.close()
 
@@ -86,12 +92,11 @@ def test_only_one_rule_base_is_active(store):
     assert store.active_rule_base() is None
 
 
-def test_the_state_outlives_the_store(tmp_path):
-    url = f"sqlite:///{tmp_path / 'state.db'}"
-    first = Store(url)
+def test_the_state_outlives_the_store(database):
+    first = Store(database)
     model = first.add_model(name="a.csg", ending="csg", text="0" * 64, language="padl", units="mm")
     first.close()
-    second = Store(url)
+    second = Store(database)
     assert second.model(model.id).name == "a.csg"
     second.close()
 
@@ -118,3 +123,88 @@ def test_a_password_is_not_told():
     with pytest.raises(OptionError) as caught:
         Store("nonsense://anna:secret@host/db")
     assert "secret" not in str(caught.value)
+
+
+def at_once(count, work):
+    """Run work(k) in `count` threads; gives the results, and raises what one of them raised."""
+    results, errors = [None] * count, []
+
+    def run(k):
+        try:
+            results[k] = work(k)
+        except Exception as error:  # noqa: BLE001  the test raises it
+            errors.append(error)
+
+    threads = [threading.Thread(target=run, args=(k,)) for k in range(count)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    if errors:
+        raise errors[0]
+    return results
+
+
+def test_no_two_claim_one_job(store, model):
+    jobs = {store.add_job(model, str(k), {}).id for k in range(24)}
+
+    def claim(_):
+        taken = []
+        while len(taken) < 24:
+            job = store.claim_job()
+            if job is None and not any(store.job(name).state == "queued" for name in jobs):
+                return taken
+            taken += [] if job is None else [job.id]
+        return taken
+
+    claimed = [job for taken in at_once(4, claim) for job in taken]
+    assert sorted(claimed) == sorted(jobs)
+
+
+def test_counts_are_of_what_is_there(store, model):
+    store.add_job(model, "a", {})
+    store.add_job(model, "b", {})
+    store.claim_job()
+    store.add_mesh(model_id=model, key="c", answer="0" * 64, content="1" * 64)
+    counts = store.counts()
+    assert (counts.models, counts.meshes, counts.jobs) == (1, 1, {"queued": 1, "running": 1})
+
+
+def test_the_schema_is_what_the_tables_say(store, database):
+    assert newest() == SCHEMA
+    engine = create_engine(database)
+    with engine.connect() as connection:
+        assert compare_metadata(MigrationContext.configure(connection), Table.metadata) == []
+    engine.dispose()
+
+
+def test_a_database_of_before_the_steps_is_brought_up_and_keeps_what_it_has(database):
+    engine = create_engine(database)
+    tables = [table for table in Table.metadata.sorted_tables if table.name != "tokens"]
+    Table.metadata.create_all(engine, tables=tables)
+    with engine.begin() as connection:
+        values = dict.fromkeys(("id", "name", "ending", "text", "language", "units", "created"), "old")
+        connection.execute(ModelRow.__table__.insert(), values)
+    engine.dispose()
+    store = Store(database)
+    assert store.model("old").name == "old"
+    assert not store.has_tokens()
+    store.close()
+
+
+def test_several_that_open_a_new_database_at_once_all_get_it(database):
+    for store in at_once(4, lambda _: Store(database)):
+        assert store.is_ready()
+        store.close()
+
+
+def test_a_database_of_a_newer_version_is_refused_and_left_alone(database):
+    Store(database).close()
+    engine = create_engine(database)
+    with engine.begin() as connection:
+        connection.execute(text("UPDATE alembic_version SET version_num = '9999'"))
+    with pytest.raises(OptionError, match="'9999', which is of a newer csgmesh"):
+        Store(database)
+    with engine.connect() as connection:
+        assert connection.scalar(text("SELECT version_num FROM alembic_version")) == "9999"
+    engine.dispose()
