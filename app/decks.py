@@ -235,9 +235,7 @@ def _vtu_array(root: object, where: str) -> NDArray:
     element = root.find(f"UnstructuredGrid/Piece/{where}")
     if element is None:
         raise ValueError(f"no {where}")
-    kind = np.dtype(
-        {"Float64": "<f8", "Float32": "<f4", "Int64": "<i8", "Int32": "<i4", "UInt8": "u1"}[element.attrib["type"]]
-    )
+    kind = np.dtype(_VTK_ARRAYS[element.attrib["type"]])
     text = (element.text or "").strip()
     if element.get("format") == "ascii":
         return np.array(text.split(), dtype=kind)

@@ -38,6 +38,8 @@ class Checks:
     loose_arms: nodes of edges that should hang by rigid arms and do not.
     cracks: mesh edges on shared curves that are not used as often as their faces say, with edges used once elsewhere.
     masses in the unit set's mass; centres (3,) and inertias (3, 3) in the user's frame, about each one's own centre.
+    mass_error: model's mass over the solid's, less 1; accounted_mass_error: the same after the ledger's corners are
+    taken from the model. Of volumes, where no material weighs anything.
     ledger: double-counted corners (volumes); ledger_mass: their mass, 0 where densities are scaled to make up for it.
     failures: one line for each check that does not hold.
     """
@@ -58,18 +60,10 @@ class Checks:
     model_centre: NDArray[np.float64]
     solid_inertia: NDArray[np.float64]
     model_inertia: NDArray[np.float64]
+    mass_error: float
+    accounted_mass_error: float
     ledger: tuple[LedgerRow, ...]
     failures: tuple[str, ...]
-
-    @property
-    def mass_error(self) -> float:
-        """Model's mass over the solid's, less 1."""
-        return self.model_mass / self.solid_mass - 1
-
-    @property
-    def accounted_mass_error(self) -> float:
-        """The same after the ledger's corners are taken from the model."""
-        return (self.model_mass - self.ledger_mass) / self.solid_mass - 1
 
     @property
     def passed(self) -> bool:
@@ -122,7 +116,10 @@ def check_against(model: Model, reference: Reference) -> Checks:
         rigid_links_error(links, nodes, centre, size),
         *(rigid_motion_error(other, nodes, centre, size) for other in model.couplings if not isinstance(other, Rbe2)),
     ]
-    solid, meshed, density = _masses(model, reference.solid)
+    weighty = _with_weight(model)
+    solid, meshed, density = _masses(weighty, reference.solid)
+    corners = 0.0 if _is_weighed(model) else sum(row.volume for row in reference.ledger) * density
+    weight = 1.0 if weighty is model else 0.0
     doubly, chained = dependence(model.couplings, nodes_with_rotations(model.mesh))
     checks = Checks(
         components=connected_components(model),
@@ -134,13 +131,15 @@ def check_against(model: Model, reference: Reference) -> Checks:
         chained=chained,
         cracks=edge_cracks(model.mesh, reference.curve_uses),
         loose_arms=loose_arms(model, reference.arms),
-        solid_mass=solid.mass,
-        model_mass=meshed.mass,
-        ledger_mass=0.0 if _is_weighed(model) else sum(row.volume for row in reference.ledger) * density,
+        solid_mass=weight * solid.mass,
+        model_mass=weight * meshed.mass,
+        ledger_mass=weight * corners,
         solid_centre=solid.centre,
         model_centre=meshed.centre,
-        solid_inertia=solid.inertia,
-        model_inertia=meshed.inertia,
+        solid_inertia=weight * solid.inertia,
+        model_inertia=weight * meshed.inertia,
+        mass_error=meshed.mass / solid.mass - 1,
+        accounted_mass_error=(meshed.mass - corners) / solid.mass - 1,
         ledger=reference.ledger,
         failures=(),
     )
@@ -187,6 +186,13 @@ def _masses(model: Model, volume: Moments) -> tuple[Moments, Moments, float]:
             bare += block_moments(block, nodes, element, 1 / element.density_factor).mass
         density = meshed.mass / bare
     return Moments(volume.mass * density, volume.centre, volume.second * density), meshed, density
+
+
+def _with_weight(model: Model) -> Model:
+    """The model itself; where no material in it weighs anything, with a density of 1 to measure its volumes by."""
+    if any(model.materials[element.material].density > 0 for element in model.properties):
+        return model
+    return replace(model, materials={name: replace(m, density=1.0) for name, m in model.materials.items()})
 
 
 def _is_weighed(model: Model) -> bool:

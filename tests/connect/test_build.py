@@ -231,3 +231,17 @@ def test_the_deeper_node_decides_the_material():
 def test_a_material_of_nothing_is_refused():
     with pytest.raises(OptionError, match="material of 'LID': no node 'LID'"):
         build(TABLE, materials_of={"LID": "steel"})
+
+
+@pytest.mark.parametrize("mass", ["plain", "exact"])
+def test_a_model_that_weighs_nothing_is_checked_by_its_volumes(mass):
+    foam = TABLE.replace("UNITS mm", "UNITS mm\nMATERIAL FOAM(E=10, NU=0.3, RHO=0)")
+    model, weightless = build(foam, mass=mass)
+    _, of_steel = build(TABLE, mass=mass)
+    assert {material.density for material in model.materials.values()} == {0.0}
+    assert (weightless.solid_mass, weightless.model_mass, weightless.ledger_mass) == (0.0, 0.0, 0.0)
+    assert not weightless.model_inertia.any()
+    assert weightless.failures == ()
+    assert weightless.mass_error == pytest.approx(of_steel.mass_error, abs=1e-12)
+    assert weightless.accounted_mass_error == pytest.approx(of_steel.accounted_mass_error, abs=1e-12)
+    assert weightless.model_centre == pytest.approx(of_steel.model_centre)
