@@ -107,6 +107,7 @@ def _joint(number: int, item: ClosePair, segments: Sequence[Segment], middles: _
         patch=item.patches[0],
         centre=centre,
         normal=normal,
+        middle=_middle(surface, item.patches[0], centre),
         gap=item.gap,
         mate=None if is_shared else other.surface,
         mate_patch=None if is_shared else item.patches[1],
@@ -143,6 +144,13 @@ def _centre(surface: Surface, patch: Polygon | MultiPolygon) -> Array:
     """The patch's centroid in space; a point within it where the centroid is not (rings, bent strips)."""
     middle = patch.centroid if patch.covers(patch.centroid) else patch.representative_point()
     return lift(surface, np.array([[middle.x, middle.y]]))[0]
+
+
+def _middle(surface: Surface, patch: Polygon | MultiPolygon, centre: Array) -> Array:
+    """The patch's centroid in space, in it or not; the centre on surfaces whose charts have none to speak of."""
+    if not isinstance(surface, Plane | CylinderSurface):
+        return centre
+    return lift(surface, np.array([[patch.centroid.x, patch.centroid.y]]))[0]
 
 
 # ---------------------------------------------------------------- kinds

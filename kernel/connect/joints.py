@@ -21,7 +21,9 @@ class Joint:
 
     id: "j1", ...; kind: one of JOINT_KINDS. segments: their two ids. surface: id of the shared surface in the table.
     area: of the patch. patch: its outline in the surface's own coordinates (plane: x.u, x.v; cylinder: r*angle, z).
-    centre: (3,) the patch's centroid. normal: (3,) unit, out of the first segment into the second at the centre.
+    centre: (3,) the patch's centroid; a point within it where the centroid is not (rings, bent strips). normal: (3,)
+    unit, out of the first segment into the second at the centre. middle: (3,) the centroid itself, in the hollow of
+    a tube's end too: where a beam's axis meets the contact. On surfaces other than planes and cylinders the centre.
     gap: distance of the two faces, 0 where they touch. Where they lie on two surfaces, surface and patch are the first
     segment's, and mate and mate_patch those of the second.
     """
@@ -34,6 +36,7 @@ class Joint:
     patch: Polygon | MultiPolygon
     centre: NDArray[np.float64]
     normal: NDArray[np.float64]
+    middle: NDArray[np.float64]
     gap: float = 0.0
     mate: int | None = None
     mate_patch: Polygon | MultiPolygon | None = None

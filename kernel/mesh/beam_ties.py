@@ -48,7 +48,7 @@ def beam_stations(parts: Parts, joint: Joint, sizes: dict[str, float]) -> None:
 
 def _foot(parts: Parts, joint: Joint, beam: Beam) -> float:
     """Where on the beam's axis a joint holds it: its end, where that lies within a hollow or dome of the contact."""
-    offset = beam.offset_of(joint.centre)
+    offset = beam.offset_of(joint.middle)
     surface = beam.segment.solid.surfaces.surfaces[joint.surface]
     if joint.kind == "end_on" and not isinstance(surface, Plane | CylinderSurface):
         for end in (beam.start, beam.end):
@@ -123,14 +123,14 @@ def beam_on_beam(meshed: Meshed, joint: Joint) -> list[Tie]:
     if common is not None:
         return [_rigid(joint, first.node_at(common[0]), [second.node_at(common[1])])]
     slack = 8 * meshed.parts.topology.tolerance
-    ends = [beam.is_end(beam.offset_of(joint.centre), slack) for beam in (first, second)]
+    ends = [beam.is_end(beam.offset_of(joint.middle), slack) for beam in (first, second)]
     leaning = [abs(beam.direction @ joint.normal) for beam in (first, second)]
     ending, through = (first, second) if (ends[0], leaning[0]) >= (ends[1], leaning[1]) else (second, first)
     return [
         _rigid(
             joint,
-            through.node_at(through.offset_of(joint.centre)),
-            [ending.node_at(ending.offset_of(joint.centre))],
+            through.node_at(through.offset_of(joint.middle)),
+            [ending.node_at(ending.offset_of(joint.middle))],
         )
     ]
 
@@ -146,7 +146,7 @@ def beam_on_wall(meshed: Meshed, joint: Joint, beam: Beam, wall: Wall) -> list[T
         if not ties:
             raise ConnectError(f"{joint.id}: {beam.segment.id} finds no node of {wall.segment.id} along its axis")
         return ties
-    node = beam.node_at(beam.offset_of(joint.centre))
+    node = beam.node_at(beam.offset_of(joint.middle))
     face = meshed.faces[wall.segment.id]
     if not is_on_face(wall, joint):
         return [_rigid(joint, node, edge_nodes(meshed, wall, joint))]
@@ -178,7 +178,7 @@ def beam_on_brick(meshed: Meshed, joint: Joint, beam: Beam, brick: str) -> list[
     """The end's node on the element faces it covers; where it lies along, each node on its share of the contact."""
     faces = meshed.brick_faces(brick, joint)
     if joint.kind == "end_on":
-        node = beam.node_at(beam.offset_of(joint.centre))
+        node = beam.node_at(beam.offset_of(joint.middle))
         return [average(joint, node, faces, joint.patch_of(brick), beam.segment.id)]
     surface = faces.surface
     start, end = _extent(meshed.parts, joint, beam)

@@ -12,6 +12,7 @@ from assembling import (
     difference,
     extrusion,
     mesh_volume,
+    placed,
     rod,
     turned,
     union,
@@ -195,3 +196,17 @@ def test_progress_is_told_up_to_the_end():
     shares = [share for _, share in told]
     assert shares == sorted(shares)
     assert shares[-1] == 1.0
+
+
+@pytest.mark.parametrize("lean", [0, 30])
+def test_a_hollow_member_meets_another_where_its_axis_does(lean):
+    # the contact is a ring: its middle lies in the hollow, no part of it
+    hollow = difference(cube(60, 60, 1600, (-30, -30, -300)), cube(52, 52, 1600, (-26, -26, -300)))
+    below = cube(4000, 4000, 4000, (-2000, -2000, -4000))
+    rail = difference(cube(3000, 60, 60, (-1000, -30, -60)), cube(3000, 52, 52, (-1000, -26, -56)))
+    post = difference(placed(hollow, turn=turned("y", lean)), below)
+    result, evaluated = assembled(union(rail, post), size=100)
+    (tie,) = result.ties
+    ends = [int(tie.dependent[0]), int(tie.independent[0])]
+    places = sorted((result.mesh.nodes[ends] @ evaluated.frame.T).tolist(), key=lambda place: place[2])
+    assert np.array(places) == pytest.approx(np.array([[0, 0, -30], [0, 0, 0]]), abs=1e-9)
