@@ -18,7 +18,16 @@ from kernel.mesh.beams import SeatedNode
 from kernel.mesh.bricks import BrickMesh, outer_faces
 from kernel.mesh.faces import CurvesByFace, FaceMesh
 from kernel.mesh.patches import SurfaceFaces, faces_on, node_areas
-from kernel.solid.surfaces import ConeSurface, CylinderSurface, SphereSurface, Surface, TorusSurface
+from kernel.solid.charts import flatten
+from kernel.solid.surfaces import (
+    ConeSurface,
+    CylinderSurface,
+    Plane,
+    SphereSurface,
+    Surface,
+    TorusSurface,
+    signed_distance,
+)
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
@@ -82,7 +91,11 @@ class Meshed:
 
 
 def edge_nodes(meshed: Meshed, wall: Wall, joint: Joint) -> list[int]:
-    """Nodes on the wall's outline that lie on the joint's surface, within its patch seen along the wall's normal."""
+    """Nodes on the wall's outline that lie on the joint's surface, within its patch seen along the wall's normal.
+
+    Where the joint with a third wall has taken that edge up, as the step at a corner of a housing under its flange,
+    the outline's nodes in the contact that are nearest to it.
+    """
     numbers = set(edge_carriers(meshed.parts, wall, joint))
     points = patch_points(meshed.surface(joint), joint.patch)
     found: set[int] = set()
@@ -98,6 +111,7 @@ def edge_nodes(meshed: Meshed, wall: Wall, joint: Joint) -> list[int]:
         values = carrier.parameters(meshed.points[seeded.nodes])
         inside = (values >= reach.min() - slack) & (values <= reach.max() + slack)
         found.update(seeded.nodes[inside].tolist())
+    found = found or _nearest_in_contact(meshed, wall, joint)
     if not found:
         other = next(name for name in joint.segments if name != wall.segment.id)
         raise ConnectError(
@@ -105,6 +119,20 @@ def edge_nodes(meshed: Meshed, wall: Wall, joint: Joint) -> list[int]:
             "outline"
         )
     return sorted(found)
+
+
+def _nearest_in_contact(meshed: Meshed, wall: Wall, joint: Joint) -> set[int]:
+    surface = meshed.surface(joint)
+    nodes = np.unique(np.concatenate([np.empty(0, np.int64), *(c.nodes for c in meshed.curves.get(wall.index, []))]))
+    if not len(nodes) or not isinstance(surface, Plane | CylinderSurface):
+        return set()
+    flat = flatten(surface, meshed.points[nodes])
+    away = np.abs(signed_distance(surface, meshed.points[nodes]))
+    patch = joint.patch.buffer(20 * meshed.parts.topology.tolerance)
+    in_contact = shapely.contains_xy(patch, flat[:, 0], flat[:, 1]) & (away <= 1.5 * wall.thickness)
+    if not in_contact.any():
+        return set()
+    return set(nodes[in_contact & (away <= away[in_contact].min() + 8 * meshed.parts.topology.tolerance)].tolist())
 
 
 def average(joint: Joint, node: int, faces: SurfaceFaces, patch: shapely.Geometry, name: str) -> Tie:

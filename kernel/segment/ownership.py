@@ -3,7 +3,8 @@
 To the brick, then the plate or cylinder-plate, then the beam; among equals to the larger section, then the larger
 volume, then the thinner wall, then by place. But a brick that ends within a wall's thickness, as what stands on a plate
 and is let into it a little, leaves the wall whole: a wall with a pocket has no mid-surface there, a shorter brick is a
-brick. Drafts were decided on their untrimmed solids and keep their full length.
+brick. Drafts were decided on their untrimmed solids and keep their full length; a beam that loses a side over most of
+its length, as a flange that laps the wall it is welded to, keeps the section that is left of it.
 """
 
 from __future__ import annotations
@@ -15,6 +16,7 @@ import numpy as np
 import shapely
 from shapely import STRtree
 
+from kernel.segment.prism import SECTION_COUNT, SECTION_OFF, measure, sweep_along
 from kernel.segment.shapes import Draft
 from kernel.segment.slabs import most_shared
 from kernel.segment.walls import PlaneWall, TubeWall, Vector
@@ -138,9 +140,24 @@ def _trimmed(draft: Draft, owners: list[Draft]) -> tuple[list[Draft], list[Solid
     slivers = [piece for piece in components if piece.volume <= SLIVER * volume]
     if len(pieces) > 1 and isinstance(draft.wall, PlaneWall) and all(owner.wall is not None for owner in owners):
         return [replace(draft, solid=unite(pieces))], slivers  # walls that cross: each stays one
-    if draft.type != "beam" or len(pieces) < 2:
+    if draft.type != "beam":
         return [replace(draft, solid=piece) for piece in pieces], slivers
-    return _cut_beam(draft, pieces), slivers
+    cut = [replace(draft, solid=pieces[0])] if len(pieces) == 1 else _cut_beam(draft, pieces)
+    return [_measured_anew(beam) for beam in cut], slivers
+
+
+def _measured_anew(draft: Draft) -> Draft:
+    """A trimmed beam with the section that it has over most of its length, where that is no longer the old one."""
+    assert draft.prism is not None
+    old = draft.prism
+    along = draft.solid.facets.vertices @ old.sweep.direction
+    if abs(draft.solid.volume / (old.area * float(np.ptp(along))) - 1.0) <= SECTION_OFF:
+        return draft
+    left = measure(draft.solid, sweep_along(draft.solid, old.sweep.direction))
+    if left is None or left.sections_off > SECTION_COUNT // 2 or abs(left.area - old.area) <= SECTION_OFF * old.area:
+        return draft
+    reach = draft.reach or (old.sweep.start, old.sweep.end)
+    return replace(draft, prism=left, whole=draft.solid, reach=reach)
 
 
 def _cut_beam(draft: Draft, pieces: list[Solid]) -> list[Draft]:

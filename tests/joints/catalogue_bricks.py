@@ -7,9 +7,16 @@ from catalogue_tubes import PIPE
 from joined_model import Joined
 from solids import cube, difference, placed, rod, tube, turned, union
 
+HOUSING = difference(cube(400, 200, 150), cube(384, 184, 150, (8, 8, 8)))
+RIM = difference(cube(460, 260, 10, (-30, -30, 140)), cube(384, 184, 30, (8, 8, 130)))
+"""A flange round the open top of a housing, lapping its walls: it owns the corners, the walls run up beside it."""
+
 BLADE = cube(140, 8, 70, (40, -4, -35))
 
 BRICKS = {
+    "flange round a housing": Joined(
+        union(HOUSING, RIM), "along corner end_on face", "beam beam brick brick plate plate plate plate plate"
+    ),
     "brick over a plate's edge": Joined(union(SHEET, cube(80, 80, 60, (260, 110, 10))), "face", "brick plate"),
     "brick on a plate": Joined(union(SHEET, cube(80, 80, 60, (110, 110, 10))), "face", "brick plate"),
     "brick on both faces": Joined(

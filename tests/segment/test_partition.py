@@ -112,6 +112,14 @@ def test_a_beam_in_several_pieces_keeps_its_full_ends_only_outside():
     ]
 
 
+def test_a_beam_that_loses_a_side_keeps_the_section_that_is_left():
+    found = segmented("P = BLO(8, 1000, 400) UN BLO(38, 1000, 10) AT (MOVZ=390)\n")
+    beam = next(segment for segment in found.segments if segment.type == "beam")
+    assert isinstance(beam.shape, BeamShape)
+    assert beam.shape.outline.area == pytest.approx(30 * 10)
+    assert beam.volume == pytest.approx(beam.shape.outline.area * beam.length)
+
+
 def test_pieces_that_were_combined_are_all_named():
     row = "BLO(500,50,50) UN BLO(700,50,50) AT(MOVX=500)"
     found = segmented(f"P = {row} UN BLO(900,600,10) AT(MOVX=1300)\n")
