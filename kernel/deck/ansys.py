@@ -148,6 +148,8 @@ def _components(model: Model) -> Iterator[str]:
     names = set_names([named.name for named in model.sets], 30)
     for named, name in zip(model.sets, names):
         for ending, kind, ids in (("_E", "ELEM", named.elements + 1), ("_N", "NODE", named.nodes + 1)):
+            if not len(ids):
+                continue
             items = _runs(np.sort(ids))
             yield f"CMBLOCK,{name + ending},{kind},{len(items):8d}"
             yield "(8i10)"

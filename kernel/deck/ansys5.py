@@ -155,6 +155,8 @@ def _components(model: Model) -> Iterator[str]:
     )
     ends = np.cumsum(counts)
     for named, name in zip(model.sets, set_names([named.name for named in model.sets], 8, RESERVED_NAMES)):
+        if not len(named.elements):
+            continue
         ids = np.sort(
             np.concatenate([np.arange(ends[k] - counts[k] + 1, ends[k] + 1) for k in named.elements.tolist()])
         )

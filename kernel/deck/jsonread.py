@@ -157,6 +157,8 @@ def _model(document: _Value) -> Model:
     nodes = document["nodes"].numbers(3)
     nodes.flags.writeable = False
     blocks = tuple(_block(item, len(nodes)) for item in document["blocks"].items())
+    if not blocks:
+        raise document["blocks"].refuse("one block of elements or more")
     properties = _properties(document["properties"], materials, blocks)
     n_element = sum(len(block.connectivity) for block in blocks)
     return Model(
@@ -193,6 +195,8 @@ def _block(value: _Value, n_node: int) -> ElementBlock:
         raise kind.refuse(f"one of {', '.join(ELEMENT_KINDS)}")
     element = ELEMENT_KINDS[kind.text()]
     connectivity = value["connectivity"].indices(n_node, element.n_node)
+    if not len(connectivity):
+        raise value["connectivity"].refuse("one element or more")
     orientation = None
     if element.dimension == 1:
         orientation = value["orientation"].numbers(3)

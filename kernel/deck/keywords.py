@@ -99,10 +99,10 @@ def set_lines(model: Model, parts: Sequence[Group]) -> Iterator[str]:
     reserved = [*OWN_SETS, *(part.name for part in parts), *couplings]
     names = set_names([named.name for named in model.sets], 60, reserved)
     for named, name in zip(model.sets, names):
-        yield f"*ELSET, ELSET={name}"
-        yield from wrapped((named.elements + 1).tolist())
-        yield f"*NSET, NSET={name}"
-        yield from wrapped((named.nodes + 1).tolist())
+        for kind, ids in (("ELSET", named.elements), ("NSET", named.nodes)):
+            if len(ids):
+                yield f"*{kind}, {kind}={name}"
+                yield from wrapped((ids + 1).tolist())
 
 
 def coupling_set(number: int) -> str:

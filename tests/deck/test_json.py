@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from joined import block_on_plate, half_beam_half_solid, lap_of_plates, post_on_plate
 from shapely import Polygon, box
 
-from kernel.connect.model import Mpc, Property, Rbe2, Rbe3
+from kernel.connect.model import Mpc, NamedSet, Property, Rbe2, Rbe3
 from kernel.deck.deck import format_for, formats
 from kernel.deck.jsonread import read_json_deck
 from kernel.errors import DeckError, ReadError
@@ -70,6 +70,19 @@ def test_a_model_read_back_is_written_the_same_in_every_format(name):
     assert format_for("", name).write(read) == expected
 
 
+@pytest.mark.parametrize("name", [known.name for known in formats()])
+def test_a_set_of_nothing_is_written_as_no_set(name):
+    nothing = NamedSet("NOTHING", np.empty(0, np.int64), np.empty(0, np.int64))
+    model = shell_cantilever("quad4", divisions=(2, 1))
+    read = read_json_deck(JSON.write(replace(model, sets=(nothing, whole_set(model, "TOP")))))
+    plain = format_for("", name).write(replace(model, sets=(whole_set(model, "TOP"),)))
+    written = format_for("", name).write(read)
+    if name in ("ansys", "ansys5", "abaqus", "calculix", "sapiv", "gmsh"):
+        assert written == plain
+    else:
+        assert b"TOP" in written
+
+
 reals = st.floats(allow_nan=False, allow_infinity=False)
 sizes = st.floats(min_value=1e-3, max_value=1e3)
 
@@ -83,7 +96,8 @@ def models(draw):
     blocks, properties = [], []
     for number, kind in enumerate(draw(st.lists(st.sampled_from(sorted(ELEMENT_KINDS)), min_size=1, max_size=4))):
         element = ELEMENT_KINDS[kind]
-        rows = draw(st.lists(st.lists(node, min_size=element.n_node, max_size=element.n_node), max_size=3))
+        row = st.lists(node, min_size=element.n_node, max_size=element.n_node)
+        rows = draw(st.lists(row, min_size=1, max_size=3))
         connectivity = np.array(rows, np.int64).reshape(-1, element.n_node)
         vectors = [draw(st.tuples(reals, reals, reals)) for _ in rows]
         orientation = np.array(vectors, float).reshape(-1, 3) if element.dimension == 1 else None
@@ -146,6 +160,8 @@ def changed(path, value):
         (("blocks", 0, "connectivity", 0, 0), 10**6, r"blocks\[0\]\.connectivity .* from 0 to"),
         (("blocks", 0, "connectivity", 0, 0), -1, r"blocks\[0\]\.connectivity .* from 0 to"),
         (("blocks", 0, "connectivity", 0, 0), 0.5, r"blocks\[0\]\.connectivity .* whole numbers"),
+        (("blocks", 0, "connectivity"), [], r"blocks\[0\]\.connectivity is \[\], expected one element or more"),
+        (("blocks",), [], r"blocks is \[\], expected one block of elements or more"),
         (("properties", 0, "material"), "cheese", r"properties\[0\]\.material is \"cheese\", expected one of steel"),
         (("properties",), [], "properties are of , expected one for each of"),
         (("properties", 0, "segment"), "s9", "properties are of s9, .*, expected one for each of"),
