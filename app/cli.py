@@ -155,12 +155,15 @@ def serve(
     port: Annotated[int | None, typer.Option(help="Port to listen at; 8000 by default.")] = None,
     data: Annotated[str | None, typer.Option(metavar="FOLDER", help="Where models and meshes are kept.")] = None,
     database: Annotated[str | None, typer.Option(metavar="URL", help="SQLAlchemy URL; SQLite in FOLDER.")] = None,
+    scheduler: Annotated[
+        str | None, typer.Option(metavar="ADDRESS", help="A dask scheduler whose workers mesh, as tcp://host:8786.")
+    ] = None,
 ) -> None:
     """Serve the same pipeline over HTTP, with a web page."""
     from app.api.server import run_server
     from app.settings import load_settings
 
-    run_server(load_settings(host=host, port=port, data=data, database=database))
+    run_server(load_settings(host=host, port=port, data=data, database=database, scheduler=scheduler))
 
 
 def main() -> None:

@@ -8,7 +8,8 @@ from __future__ import annotations
 import json
 import queue
 import threading
-from typing import Any
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
 
 import structlog
 from sqlalchemy.exc import SQLAlchemyError
@@ -19,6 +20,11 @@ from app.store import JobRow, Outcome, Store
 from app.work import Payload
 from app.workers import Worker
 from kernel.errors import CsgmeshError, DefectError
+
+if TYPE_CHECKING:
+    from distributed import Client
+
+    from app.cluster import ClusterWorker
 
 MOST_ATTEMPTS = 3
 """A job during which the service died this often is not tried again."""
@@ -44,20 +50,31 @@ class Busy(Exception):
 
 
 class Jobs:
-    """`n_worker` workers for jobs, and INTERACTIVE_WORKERS more for what requests wait for."""
+    """`n_worker` workers for jobs, and INTERACTIVE_WORKERS more for what requests wait for.
 
-    def __init__(self, store: Store, artifacts: Artifacts, n_worker: int) -> None:
+    scheduler: address of a dask cluster that does the jobs; None to do them in processes of this machine.
+    """
+
+    def __init__(self, store: Store, artifacts: Artifacts, n_worker: int, scheduler: str | None = None) -> None:
         self._store = store
         self._artifacts = artifacts
         self._wake = threading.Condition()
         self._is_stopping = False
-        self._workers = [Worker(artifacts.folder) for _ in range(n_worker)]
+        self._client: Client | None = None
+        self._workers: Sequence[Worker | ClusterWorker]
+        if scheduler is None:
+            self._workers = [Worker(artifacts.folder) for _ in range(n_worker)]
+        else:
+            from app.cluster import ClusterWorker, connect
+
+            self._client = client = connect(scheduler)
+            self._workers = [ClusterWorker(client, artifacts) for _ in range(n_worker)]
         self._interactive = [Worker(artifacts.folder) for _ in range(INTERACTIVE_WORKERS)]
         self._idle: queue.LifoQueue[Worker] = queue.LifoQueue()  # the last one used comes first: it is warm
         for worker in self._interactive:
             self._idle.put(worker)
         self._waiting = threading.BoundedSemaphore(MOST_WAITING + INTERACTIVE_WORKERS)
-        self._doing: dict[str, Worker] = {}
+        self._doing: dict[str, Worker | ClusterWorker] = {}
         self._threads = [
             threading.Thread(target=self._take_jobs, args=(worker,), name=f"jobs-{k}", daemon=True)
             for k, worker in enumerate(self._workers)
@@ -81,6 +98,8 @@ class Jobs:
         for thread in self._threads:
             if thread.is_alive():
                 thread.join(5.0)
+        if self._client is not None:
+            self._client.close()
 
     def submit(self, model_id: str, key: str, request: dict[str, Any]) -> JobRow:
         """Queue a job (done at once where its mesh is there already)."""
@@ -117,7 +136,7 @@ class Jobs:
         with self._wake:
             return len(self._doing), len(self._workers)
 
-    def _take_jobs(self, worker: Worker) -> None:
+    def _take_jobs(self, worker: Worker | ClusterWorker) -> None:
         while not self._is_stopping:
             try:
                 job = self._store.claim_job()
@@ -130,7 +149,7 @@ class Jobs:
                 if not self._is_stopping:
                     self._wake.wait(IDLE_WAIT)
 
-    def _do(self, worker: Worker, job: JobRow) -> None:
+    def _do(self, worker: Worker | ClusterWorker, job: JobRow) -> None:
         logger = log.bind(job=job.id, model=job.model)
         logger.info("job started", attempt=job.attempts)
         with self._wake:

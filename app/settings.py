@@ -11,19 +11,26 @@ from kernel.errors import OptionError
 MAX_MODEL_BYTES = 50_000_000
 """A model's text may be this long over HTTP, as on the command line."""
 
+CLUSTER_JOBS = 32
+"""Jobs that are with a cluster at once, where CSGMESH_WORKERS does not say."""
+
 MAX_REQUEST_BYTES = 1_000_000
 """Any other request's body may be this long."""
 
 
 @dataclass(frozen=True, slots=True)
 class Settings:
-    """data: folder of artifacts and, by default, of the database. database: an SQLAlchemy URL. workers: for jobs."""
+    """data: folder of artifacts and, by default, of the database. database: an SQLAlchemy URL.
+
+    workers: jobs that are done at once. scheduler: address of a dask cluster that does them, None for this machine.
+    """
 
     data: Path
     database: str
     workers: int
     host: str = "127.0.0.1"
     port: int = 8000
+    scheduler: str | None = None
 
     @property
     def artifacts(self) -> Path:
@@ -38,6 +45,7 @@ def load_settings(
     host: str | None = None,
     port: int | None = None,
     workers: int | None = None,
+    scheduler: str | None = None,
 ) -> Settings:
     """Settings from what is given, then the environment, then the defaults; makes the data folder.
 
@@ -48,12 +56,14 @@ def load_settings(
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise OptionError(f"cannot make the data folder {folder}: {error.strerror}") from error
+    scheduler = scheduler or os.environ.get("CSGMESH_SCHEDULER")
     return Settings(
         data=folder,
         database=database or os.environ.get("CSGMESH_DATABASE") or f"sqlite:///{folder / 'csgmesh.db'}",
-        workers=workers or _number("CSGMESH_WORKERS", os.cpu_count() or 1),
+        workers=workers or _number("CSGMESH_WORKERS", CLUSTER_JOBS if scheduler else os.cpu_count() or 1),
         host=host or os.environ.get("CSGMESH_HOST") or "127.0.0.1",
         port=port if port is not None else _number("CSGMESH_PORT", 8000),
+        scheduler=scheduler,
     )
 
 

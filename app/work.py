@@ -265,7 +265,8 @@ def serve_tasks(connection: Connection, artifacts_folder: str) -> None:
     with contextlib.suppress(EOFError, BrokenPipeError, ConnectionResetError):
         while True:
             number, task, payload = connection.recv()
-            connection.send((number, *_run(task, payload, artifacts, _reporter(connection, number))))
+            report = reporter(lambda stage, share: connection.send((number, "progress", stage, share)))  # noqa: B023
+            connection.send((number, *_run(task, payload, artifacts, report)))
 
 
 def _run(task: str, payload: Payload, artifacts: Artifacts, progress: Progress) -> tuple[str, Any]:
@@ -283,7 +284,8 @@ def _run(task: str, payload: Payload, artifacts: Artifacts, progress: Progress) 
         return "failed", DefectError(f"{type(error).__name__}: {error}")
 
 
-def _reporter(connection: Connection, number: int) -> Progress:
+def reporter(send: Progress) -> Progress:
+    """What the pipeline reports to: sends a stage, and how much of the whole is done, not too often."""
     last_stage, last_time = "", 0.0
 
     def report(stage: str, share: float) -> None:
@@ -293,7 +295,7 @@ def _reporter(connection: Connection, number: int) -> Progress:
             return
         last_stage, last_time = stage, moment
         start, end = STAGES.get(stage, STAGES["mesh"])
-        connection.send((number, "progress", stage, start + (end - start) * min(max(share, 0.0), 1.0)))
+        send(stage, start + (end - start) * min(max(share, 0.0), 1.0))
 
     return report
 

@@ -33,7 +33,7 @@ class Context:
         self.settings = settings
         self.store = Store(settings.database)
         self.artifacts = Artifacts(settings.artifacts)
-        self.jobs = Jobs(self.store, self.artifacts, settings.workers)
+        self.jobs = Jobs(self.store, self.artifacts, settings.workers, settings.scheduler)
         self._answers: OrderedDict[str, Any] = OrderedDict()
         self._lock = Lock()
 

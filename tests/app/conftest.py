@@ -1,5 +1,6 @@
 """One service for all tests of the session, with a client that speaks to it."""
 
+import dask_cluster
 import postgres
 import pytest
 from fastapi.testclient import TestClient
@@ -48,3 +49,11 @@ def database(request, tmp_path):
         connection.exec_driver_sql(f"CREATE DATABASE {name}")
     engine.dispose()
     yield server.replace("/postgres?", f"/{name}?")
+
+
+@pytest.fixture(scope="session")
+def cluster(tmp_path_factory):
+    """Address of a dask scheduler with a worker."""
+    pytest.importorskip("distributed")
+    with dask_cluster.serving(tmp_path_factory.mktemp("cluster")) as address:
+        yield address

@@ -6,6 +6,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from dask_cluster import environment
 
 from app.batch import RECORDS, exit_status, plan, records_of, run
 from app.cli import run as command
@@ -14,15 +15,6 @@ from kernel.errors import MeshError
 
 PLATE = "cube(size = [100, 60, 5], center = false);\n"
 BAR = "cube(size = [200, 10, 10], center = false);\n"
-
-START_CLUSTER = """
-import sys
-from distributed import LocalCluster
-if __name__ == "__main__":
-    with LocalCluster(n_workers=1, threads_per_worker=1, dashboard_address=None, host="127.0.0.1") as cluster:
-        print(cluster.scheduler_address, flush=True)
-        sys.stdin.read()
-"""
 
 
 @pytest.fixture
@@ -154,27 +146,16 @@ def test_the_exit_status_is_that_of_the_worst(models):
     assert exit_status(list(run(plan(["bar.csg"], request(), ".bdf"), models, [do]))) == 0
 
 
-def test_a_dask_cluster_writes_the_same_decks(models, capsys):
-    pytest.importorskip("distributed")
+def test_a_dask_cluster_writes_the_same_decks(models, cluster):
     assert command(["batch", "plate.csg", "bar.csg", "-o", "here", "--workers", "1"]) == 0
-    capsys.readouterr()
-    Path("cluster.py").write_text(START_CLUSTER)
-    root = str(Path(__file__).resolve().parents[2])
-    cluster = subprocess.Popen(
-        [sys.executable, "cluster.py"], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, env=environment(root)
+    there = subprocess.run(
+        [sys.executable, "-m", "app.cli", "batch", "plate.csg", "broken.csg", "bar.csg", "-o", "there"]
+        + ["--scheduler", cluster],
+        capture_output=True,
+        text=True,
+        env=environment(),
+        timeout=300,
     )
-    try:
-        address = cluster.stdout.readline().strip()
-        there = subprocess.run(
-            [sys.executable, "-m", "app.cli", "batch", "plate.csg", "broken.csg", "bar.csg", "-o", "there"]
-            + ["--scheduler", address],
-            capture_output=True,
-            text=True,
-            env=environment(root),
-            timeout=300,
-        )
-    finally:
-        cluster.communicate("", timeout=60)
     assert there.stderr == "error: broken.csg:1:6: '[' is never closed, expected ']'\n"
     assert there.returncode == 2
     for name in ("plate.bdf", "bar.bdf"):
@@ -193,14 +174,8 @@ def test_a_scheduler_that_is_not_there_is_named(models, capsys, monkeypatch):
 
 
 def test_another_version_at_the_cluster_is_refused():
-    from app.cluster import mesh_there
+    from app.cluster import files_there
     from kernel.errors import OptionError
 
     with pytest.raises(OptionError, match="another version of csgmesh"):
-        mesh_there({}, "of another")
-
-
-def environment(root):
-    import os
-
-    return {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, [root, os.environ.get("PYTHONPATH")]))}
+        files_there({}, "of another")
