@@ -96,7 +96,9 @@ def terms(text: bytes) -> list[list[str]]:
 
 
 def test_equations_sum_to_nothing_in_a_translation():
-    for equation in terms(ansys.write(lap_of_plates())):
+    equations = terms(ansys.write(lap_of_plates()))
+    assert equations
+    for equation in equations:
         for label in ("UX", "UY", "UZ"):
             moved = [float(c) for name, c in zip(equation[1::3], equation[2::3]) if name == label]
             assert sum(moved) == pytest.approx(0, abs=1e-9)
