@@ -7,6 +7,7 @@ Read it with CDREAD,DB.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
@@ -16,8 +17,9 @@ from numpy.typing import NDArray
 from kernel.connect.mass import section_axes
 from kernel.connect.model import Mpc, Property, Rbe2, Rbe3
 from kernel.deck.deck import DeckFormat, register
-from kernel.deck.header import ascii_text, header_lines, set_names
+from kernel.deck.header import ascii_text, header_lines, set_name, set_names
 from kernel.deck.numbers import free_field
+from kernel.errors import DeckError
 
 if TYPE_CHECKING:
     from kernel.connect.model import Model
@@ -71,7 +73,7 @@ def write(model: Model) -> bytes:
 
 
 def _section(element: Property, number: int) -> Iterator[str]:
-    name = element.segment.upper()[:8]
+    name = set_name(element.segment, 8)
     if element.kind == "shell":
         assert element.thickness is not None
         yield f"SECTYPE,{number},SHELL,,{name}"
@@ -113,6 +115,8 @@ def _nodes(places: Array) -> Iterator[str]:
 
 def _exponent3(value: float) -> str:
     """Fortran's e21.13e3: three digits of exponent."""
+    if not math.isfinite(value):
+        raise DeckError(f"the number {value} cannot be written, expected a finite one")
     mantissa, exponent = f"{value + 0.0:.13E}".split("E")
     return f"{mantissa}E{exponent[0]}{exponent[1:].zfill(3)}".rjust(21)
 

@@ -32,6 +32,17 @@ PROPERTY_KINDS = {1: "beam", 2: "shell", 3: "solid"}
 
 _POSITIVE_OF_SECTION = ("area", "iyy", "izz", "j", "shear_area_y", "shear_area_z")
 
+_SIZES = {
+    "rectangle": ("width", "height"),
+    "circle": ("radius",),
+    "tube": ("radius", "inner_radius"),
+    "box": ("width", "height", "web", "flange"),
+}
+"""The dimensions without which a section of that shape cannot be written in every format."""
+
+LARGEST = 1e99
+"""What single numbers may be, and one over it the least: exponents of two digits fit the fields of every format."""
+
 HELD = ("123", "123456")
 """What a coupling may hold: not every format can say less than all translations."""
 
@@ -106,15 +117,15 @@ class _Value:
             value = float(self.value)
         except OverflowError:  # of a whole number beyond all floats
             value = math.inf
-        if not math.isfinite(value):
-            raise self.refuse("a finite number")
+        if not abs(value) <= LARGEST:
+            raise self.refuse(f"a number up to {LARGEST:g}")
         return value
 
     def positive(self) -> float:
-        """A finite number above 0."""
+        """A number above 0."""
         value = self.number()
-        if value <= 0:
-            raise self.refuse("a number above 0")
+        if value < 1 / LARGEST:
+            raise self.refuse(f"a number from {1 / LARGEST:g}" if value > 0 else "a number above 0")
         return value
 
     def index(self, count: int) -> int:
@@ -181,7 +192,7 @@ def _material(name: str, value: _Value) -> Material:
     return checked_material(
         Material(
             name=name,
-            elastic_modulus=value["elastic_modulus"].number(),
+            elastic_modulus=value["elastic_modulus"].positive(),
             poisson_ratio=value["poisson_ratio"].number(),
             density=value["density"].number(),
             source=value["source"].text(),
@@ -246,16 +257,22 @@ def _section(value: _Value) -> SectionProperties:
         if not rings or min(map(len, rings)) < 4:
             raise part.refuse("closed rings of four points or more")
         parts.append(Polygon(rings[0], rings[1:]))
+        if not parts[-1].is_valid:
+            raise part.refuse("rings that do not cross themselves or one another")
     if not parts:
         raise value["outline"].refuse("one polygon or more")
     outline: Polygon | MultiPolygon = parts[0] if len(parts) == 1 else MultiPolygon(parts)
+    shape, dimensions = value["shape"].text(), value["dimensions"]
+    sizes = {name: size.number() for name, size in dimensions.members().items()}
+    for name in _SIZES.get(shape, ()):
+        dimensions[name].positive()
     numbers = {name: value[name].positive() for name in _POSITIVE_OF_SECTION}
     return SectionProperties(
-        shape=value["shape"].text(),
+        shape=shape,
         centroid=_pair(value["centroid"]),
         shear_centre=_pair(value["shear_centre"]),
         outline=outline,
-        dimensions={name: size.number() for name, size in value["dimensions"].members().items()},
+        dimensions=sizes,
         iyz=value["iyz"].number(),
         **numbers,
     )

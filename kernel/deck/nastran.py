@@ -183,7 +183,7 @@ def _properties(model: Model, numbering: _Numbering) -> list[str]:
     for key, number in numbering.properties.items():
         element = numbering.element[key]
         material = materials[(element.material, element.density_factor)]
-        lines.append(f"$ {element.segment}")
+        lines.append(f"$ {ascii_text(element.segment)}")
         if element.kind == "beam":
             lines += _beam_property(element, number, material)
         elif element.kind == "shell":
@@ -201,7 +201,7 @@ def _beam_property(element: Property, number: int, material: int) -> list[str]:
     section = element.section
     assert section is not None
     shape = ", ".join(f"{key} {value:.6g}" for key, value in section.dimensions.items())
-    lines = [f"$ section: {section.shape} {shape}".rstrip()]
+    lines = [ascii_text(f"$ section: {section.shape} {shape}".rstrip())]
     offset = max(abs(section.shear_centre[0]), abs(section.shear_centre[1]))
     if offset > 0:
         y, z = section.shear_centre

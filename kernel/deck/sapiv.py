@@ -104,11 +104,10 @@ class _Deck:
             if element.section is not None
         }
         self.places = [tuple(place) for place in model.mesh.nodes.tolist()]
-        self._orientation: dict[tuple[str, int], int] = {}
+        self._orientation: list[int] = []  # first of the nodes that turn the elements of each block of lines
         for block in self.lines:
-            for row, place in enumerate(self._orientation_places(block).tolist()):
-                self._orientation[(block.segment, row)] = len(self.places) + 1
-                self.places.append(tuple(place))
+            self._orientation.append(len(self.places) + 1)
+            self.places += map(tuple, self._orientation_places(block).tolist())
         self._spoke_nodes: list[int] = []
         for a, b in self.spokes:
             start, end = model.mesh.nodes[a], model.mesh.nodes[b]
@@ -168,11 +167,10 @@ class _Deck:
     def _beam_elements(self, beams: Sequence[Property]) -> Iterator[str]:
         sections = {element.segment: number for number, element in enumerate(beams, start=1)}
         number = 1
-        for block in self.lines:
+        for block, first in zip(self.lines, self._orientation):
             material = self._material(self.by_segment[block.segment])
-            for position, row in enumerate((block.connectivity + 1).tolist()):
+            for third, row in enumerate((block.connectivity + 1).tolist(), start=first):
                 for a, b in _LINE_PARTS[block.kind]:
-                    third = self._orientation[(block.segment, position)]
                     yield _beam(number, row[a], row[b], third, material, sections[block.segment])
                     number += 1
         for (centre, other), third in zip(self.spokes, self._spoke_nodes):

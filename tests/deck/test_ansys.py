@@ -11,6 +11,7 @@ from mapdl_archive import Archive
 from shapely import affinity
 
 from kernel.deck import ansys, ansys5
+from kernel.errors import DeckError
 from kernel.idealise.section import principal_section, section_properties
 
 TYPES = {
@@ -74,6 +75,14 @@ def test_the_orientation_node_lies_along_the_sections_z_axis():
     model = cantilever(i_outline(), 100.0, 2)
     place = ansys.orientation_places(model.mesh.blocks[0], model.mesh.nodes)[0]
     assert place == pytest.approx([0, 0, 50])
+
+
+def test_an_orientation_along_the_axis_is_no_number_and_refused():
+    model = cantilever(i_outline(), 100.0, 2)
+    (block,) = model.mesh.blocks
+    along = replace(block, orientation=np.array([[1.0, 0.0, 0.0]] * 2))
+    with np.errstate(invalid="ignore"), pytest.raises(DeckError, match="the number nan cannot be written"):
+        ansys.write(replace(model, mesh=replace(model.mesh, blocks=(along,))))
 
 
 def test_weights_follow_the_order_of_the_nodes():

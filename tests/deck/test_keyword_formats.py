@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from handmade import cantilever, channel_outline, shell_cantilever, solid_cantilever, whole_set
 from joined import block_on_plate, lap_of_plates, post_on_plate
+from shapely import box
 
 from kernel.deck import abaqus, sapiv
 from kernel.deck.deck import format_for
@@ -146,6 +147,17 @@ def test_sap_cards_stand_in_their_columns():
     assert beams == [2, 5 + 9, 2, 0, 2]  # five bars, nine stiff spokes of a material of their own
     stiff = fields(lines[2 + n_node + 2], [5, *[10] * 4])
     assert [float(value) for value in stiff[3:]] == [0, 0]  # that has no weight
+
+
+def test_sap_beams_of_one_segment_in_several_blocks_are_turned_each_by_its_own():
+    model = cantilever(box(-2, -5, 2, 5), 100.0, 2)
+    (block,) = model.mesh.blocks
+    turned = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
+    halves = tuple(replace(block, connectivity=block.connectivity[[k]], orientation=turned[[k]]) for k in range(2))
+    lines = sapiv.write(replace(model, mesh=replace(model.mesh, blocks=halves))).decode().splitlines()
+    elements = [fields(line, [5] * 6) for line in lines[-6:-4]]
+    places = [fields(lines[2 + int(card[3]) - 1], [1, 4, *[5] * 6, 10, 10, 10])[8:] for card in elements]
+    assert np.array(places, float) == pytest.approx(np.array([[0, 50, 0], [50, 0, 50]]))
 
 
 def test_sap_nodes_of_solids_have_their_rotations_fixed_but_where_a_spoke_ends():
