@@ -143,6 +143,27 @@ def renumbered_arms(arms: NDArray[np.int64], numbers: NDArray[np.int64]) -> NDAr
     return rows[(rows >= 0).all(axis=1)]
 
 
+def joined_uses(mesh: Mesh, curve_uses: NDArray[np.int64], numbers: NDArray[np.int64]) -> NDArray[np.int64]:
+    """The rows after nodes of the mesh have become one: each edge is used as often as all those that it now is.
+
+    Edges of shells that have no row are used twice, as ones inside a face are: where the edge of a web has come to lie
+    on such a one of its flange, the two are used three times.
+    """
+    sides = [
+        np.sort(block.connectivity[:, list(edge)], axis=1)
+        for block in mesh.blocks
+        if ELEMENT_KINDS[block.kind].dimension == 2
+        for edge in ELEMENT_KINDS[block.kind].edges
+    ]
+    if not sides:
+        return renumbered(curve_uses, numbers)
+    is_joined = (np.bincount(numbers) > 1)[numbers]
+    edges = np.unique(np.concatenate([ends[is_joined[ends].all(axis=1)] for ends in sides]), axis=0)
+    listed = {(a, b) for a, b in np.sort(curve_uses[:, :2], axis=1).tolist()}
+    inside = [(a, b, 2) for a, b in edges.tolist() if (a, b) not in listed]
+    return renumbered(np.vstack([curve_uses, np.array(inside, dtype=np.int64).reshape(-1, 3)]), numbers)
+
+
 def renumbered(curve_uses: NDArray[np.int64], numbers: NDArray[np.int64]) -> NDArray[np.int64]:
     """The rows in new node numbers, edges that have become one with the sum of their uses.
 

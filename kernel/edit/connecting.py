@@ -17,7 +17,7 @@ from kernel.connect.equations import Expression, Freedom, rows
 from kernel.connect.facing import facing_ties
 from kernel.connect.merge import Connected, connect
 from kernel.connect.model import Coupling, Model
-from kernel.connect.reference import renumbered, renumbered_arms
+from kernel.connect.reference import joined_uses, renumbered_arms
 from kernel.edit.edited import (
     Edited,
     dependent_nodes,
@@ -70,7 +70,7 @@ def connect_model(edited: Edited, tolerance: float | None = None, segments: Coll
         edited.reference,
         pieces=connected_components(joined),
         pieces_of="it was connected to be",
-        curve_uses=renumbered(edited.reference.curve_uses, found.numbers),
+        curve_uses=joined_uses(model.mesh, edited.reference.curve_uses, found.numbers),
         arms=renumbered_arms(edited.reference.arms, found.numbers),
         may_coincide=segments is not None and edited.reference.may_coincide,
     )

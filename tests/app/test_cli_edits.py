@@ -137,3 +137,22 @@ def test_one_deck_alone_is_not_merged(csgmesh, decks):
 def test_a_joint_is_left_apart(csgmesh):
     status, out, _ = csgmesh("mesh", str(EXAMPLES / "table.csg"), "-o", "t.bdf", "--size", "100", "--joint", "j1=apart")
     assert status == 0 and "components: 2" in out
+
+
+def test_plates_meshed_apart_alike_become_what_they_are_meshed_together(csgmesh):
+    # every edge of the webs falls on edges inside the others: read from a deck, those are on no curve yet
+    lines = (
+        "P = BLO(1000,600,10)",
+        "G = BLO(12,600,200) AT (MOVX=494,MOVZ=10)",
+        "S = BLO(1000,10,100) AT (MOVY=295,MOVZ=10)",
+    )
+    Path("crossing.csg").write_text("\n".join((*lines, "A = P UN G UN S\n")))
+    size = ("--size", "50", "--json")
+    assert csgmesh("mesh", "crossing.csg", "-o", "apart.json", "--apart", *size)[0] == 0
+    status, out, err = csgmesh("connect", "apart.json", "-o", "joined.json", "--json")
+    assert (status, err) == (0, "")
+    _, together, _ = csgmesh("mesh", "crossing.csg", "-o", "together.json", *size)
+    joined, meshed = json.loads(out), json.loads(together)
+    assert joined["nodes"] == meshed["nodes"]
+    assert joined["couplings"] == meshed["couplings"] == {}
+    assert joined["components"] == 1
