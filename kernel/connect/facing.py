@@ -37,6 +37,9 @@ PARALLEL = np.cos(np.radians(30.0))
 LEANING = np.sin(np.radians(20.0))
 """A beam whose axis rises from a face by more ends on it; by less it lies along it."""
 
+ENTERING = 1e-3
+"""So far, in radii of the circle about a beam's section, a shell's edge is carried on to see whether it enters it."""
+
 FEWEST = 3
 """Nodes of a solid that hold it on a face; a shell's turn too, and two do."""
 
@@ -208,12 +211,11 @@ class _Finder:
             def is_ahead(face: Array, out: Array = edge.out) -> bool:
                 return float(face @ out) < -LEANING
 
-            found = [solid.foot(place, self.reach, 0.0, is_ahead) for place in (*ends, ends.mean(axis=0))]
-            if any(foot is None for foot in found):
-                continue
+            standing = [foot for end in ends if (foot := solid.foot(end, self.reach, 0.0, is_ahead)) is not None]
             middle, arm = ends.mean(axis=0), shell.half * edge.normal
-            for node, at, foot in zip(pair, ends, found):
-                assert foot is not None
+            if len(standing) < 2 or solid.foot(middle, self.reach + _rise(ends, standing), 0.0, is_ahead) is None:
+                continue
+            for node, at, foot in zip(pair, ends, standing):
                 feet.setdefault(node, foot)
                 strips.setdefault(node, []).append(np.array([at - arm, middle - arm, middle + arm, at + arm]))
         ties = []
@@ -330,11 +332,26 @@ class _Finder:
                 continue
             pair, share, axes = found
             arm = self.points[node] - (1 - share) * self.points[pair[0]] - share * self.points[pair[1]]
-            apart = host.polygon.boundary.distance(shapely.Point(arm @ axes[1:].T))
-            is_ahead = -float(arm @ edge.out) > LEANING * float(np.linalg.norm(arm))
-            if apart <= self.reach + AXIS * host.radius and is_ahead:
+            along = self.points[edge.start] + self.points[edge.end] - 2 * self.points[node]
+            if self._enters(host, axes[1:] @ arm, axes[1:] @ along, axes[1:] @ edge.out):
                 ties[node] = _on_line(node, pair, share)
         return [tie for _, tie in sorted(ties.items())] if len(ties) > 1 else []
+
+    def _enters(self, host: Line, at: Array, along: Array, out: Array) -> bool:
+        """Whether a place (2,) is on a section's boundary, and the edge from there `along` leads `out` (2,) into it."""
+        slack = self.reach + AXIS * host.radius
+        step = max(ENTERING * host.radius, 10 * slack)
+        aside = along * (step / max(float(np.linalg.norm(along)), step))
+        ahead = shapely.Point(at + aside + step * out)
+        boundary = host.polygon.boundary
+        is_in = host.polygon.contains(ahead) and boundary.distance(ahead) > LEANING * step - slack
+        return bool(is_in and boundary.distance(shapely.Point(at)) <= slack)
+
+
+def _rise(ends: Array, feet: Sequence[Foot]) -> float:
+    """How far an arc rises above its chord (2, 3), by how much a round skin turns from the one foot to the other."""
+    turn = float(np.linalg.norm(feet[1].normal - feet[0].normal))
+    return float(np.linalg.norm(ends[1] - ends[0])) * turn / 8
 
 
 def _on_line(node: int, pair: tuple[int, int], share: float) -> Tie:

@@ -203,6 +203,41 @@ def test_the_rim_of_a_plate_on_the_side_of_a_beam_follows_it(place):
     assert dependents == np.flatnonzero(panel[0][:, 1] == 10).tolist()
 
 
+@PLACES
+def test_a_stiffener_between_flanges_follows_the_beam_with_its_three_edges(place):
+    n = 7
+    rail = np.column_stack([np.linspace(-300, 300, n), np.zeros(n), np.zeros(n)])
+    beam = (rail, line_block("s1", range(n), (0, 1, 0)), beam_property("s1", i_outline()))
+    stiffener = shell("s2", (0, 3, -42), (0, 47, 0), (0, 0, 84), 4, 8, 6.0, n)
+    ties = ties_of(place(together(beam, stiffener)))
+    on_beam = np.isclose(stiffener[0][:, 1], 3) | np.isclose(np.abs(stiffener[0][:, 2]), 42)
+    assert [int(tie.dependent[0]) for tie in ties] == (np.flatnonzero(on_beam) + n).tolist()
+
+
+@pytest.mark.parametrize("n", [8, 12, 20])
+def test_the_rim_of_a_hole_on_a_shaft_follows_it_though_their_chords_differ(n):
+    shaft = ring_of_bricks(20.0, 40.0, 16)
+    turn = np.linspace(0, 2 * np.pi, n, endpoint=False)
+    circle = np.column_stack([np.cos(turn), np.sin(turn), np.zeros(n)])
+    rim = np.arange(n) + len(shaft[0])
+    quads = np.column_stack([rim, rim + n, np.roll(rim, -1) + n, np.roll(rim, -1)])
+    nodes = np.vstack([20 * circle, 60 * circle]) + [0, 0, 17.0]
+    disc = (nodes, ElementBlock("s2", "quad4", quads), Property("s2", "shell", "steel", thickness=6.0))
+    ties = ties_of(together(shaft, disc))
+    assert [int(tie.dependent[0]) for tie in ties] == rim.tolist()
+
+
+def ring_of_bricks(radius, height, n):
+    """A hollow shaft of hexahedra, n to a turn, its outside on the radius."""
+    turn = np.linspace(0, 2 * np.pi, n, endpoint=False)
+    circle = np.column_stack([np.cos(turn), np.sin(turn), np.zeros(n)])
+    nodes = np.vstack([r * circle + [0, 0, z] for z in (0, height / 2, height) for r in (radius / 2, radius)])
+    inner, after = np.arange(n), np.roll(np.arange(n), -1)
+    low = np.column_stack([inner, inner + n, after + n, after])
+    hexes = np.vstack([np.hstack([low + 2 * n * k, low + 2 * n * (k + 1)]) for k in (0, 1)])
+    return nodes, ElementBlock("s1", "hex8", hexes), Property("s1", "solid", "steel")
+
+
 # ---------------------------------------------------------------- what does not touch
 
 
