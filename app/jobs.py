@@ -35,6 +35,9 @@ INTERACTIVE_WORKERS = 2
 INTERACTIVE_DEADLINE = 120.0
 """Seconds that a request may keep an interactive worker busy."""
 
+MOST_QUEUED = 1000
+"""Jobs that may wait: each keeps its model's text until it has ended."""
+
 MOST_WAITING = 20
 """Requests that may wait for an interactive worker: half of the server's threads, so that answers which need no worker
 (a job's state, whether the service lives) come however many ask for long work."""
@@ -46,7 +49,7 @@ log = structlog.get_logger()
 
 
 class Busy(Exception):
-    """So many requests wait for an interactive worker that one more is to come again later."""
+    """So many requests wait for a worker, or so many jobs, that one more is to come again later."""
 
 
 class Jobs:
@@ -102,7 +105,9 @@ class Jobs:
             self._client.close()
 
     def submit(self, model_id: str, key: str, request: dict[str, Any]) -> JobRow:
-        """Queue a job (done at once where its mesh is there already)."""
+        """Queue a job (done at once where its mesh is there already). Busy: too many wait."""
+        if self._store.count_unfinished() >= MOST_QUEUED:
+            raise Busy(f"{MOST_QUEUED} jobs wait already, expected to come again later")
         job = self._store.add_job(model_id, key, request)
         with self._wake:
             self._wake.notify()

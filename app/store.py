@@ -39,6 +39,9 @@ SCHEMA = "0001"
 """The newest step of app/migrations: a database that is at it needs none."""
 
 FINISHED = ("done", "failed", "cancelled")
+
+ENDED = "{}"
+"""The request of a job that has ended."""
 STATES = ("queued", "running", *FINISHED)
 
 
@@ -85,13 +88,17 @@ class OverrideEventRow(Table):
 
 
 class JobRow(Table):
-    """A mesh to be made: queued, running, done, failed or cancelled. `request` is JSON, complete in itself."""
+    """A mesh to be made: queued, running, done, failed or cancelled.
+
+    `request` is JSON, complete in itself, with the model's whole text: read by `claim_job` alone, and dropped once the
+    job has ended.
+    """
 
     __tablename__ = "jobs"
     id: Mapped[str] = mapped_column(primary_key=True)
     model: Mapped[str] = mapped_column(ForeignKey("models.id", ondelete="CASCADE"), index=True)
     key: Mapped[str]
-    request: Mapped[str]
+    request: Mapped[str] = mapped_column(deferred=True)
     state: Mapped[str] = mapped_column(index=True)
     created: Mapped[str]
     sequence: Mapped[int]
@@ -261,7 +268,8 @@ class Store:
         with self._session() as session:
             found = session.scalar(select(MeshRow).where(MeshRow.key == key, MeshRow.model == model_id))
             last = session.scalar(select(JobRow.sequence).order_by(JobRow.sequence.desc()).limit(1)) or 0
-            job = JobRow(new_id(), model_id, key, json.dumps(request), "queued", now(), last + 1)
+            text = json.dumps(request) if found is None else ENDED
+            job = JobRow(new_id(), model_id, key, text, "queued", now(), last + 1)
             if found is not None:
                 job.state, job.mesh, job.progress, job.finished = "done", found.id, 1.0, now()
             session.add(job)
@@ -271,6 +279,12 @@ class Store:
         """One job."""
         with self._session() as session:
             return session.get(JobRow, job_id)
+
+    def count_unfinished(self) -> int:
+        """How many jobs have not ended, of all models."""
+        with self._session() as session:
+            query = select(func.count()).select_from(JobRow).where(JobRow.state.not_in(FINISHED))
+            return session.scalar(query) or 0
 
     def unfinished_jobs(self, model_id: str) -> Sequence[str]:
         """Ids of the jobs of a model that have not ended."""
@@ -288,7 +302,7 @@ class Store:
             taken = update(JobRow).where(JobRow.id == job.id, JobRow.state == "queued")
             if not _changed(session.execute(taken.values(state="running", started=now(), attempts=job.attempts + 1))):
                 return None
-            session.refresh(job)
+            session.refresh(job, ["state", "started", "attempts", "request"])
             return job
 
     def report_progress(self, job_id: str, stage: str, progress: float) -> None:
@@ -300,7 +314,7 @@ class Store:
     def finish_job(self, job_id: str, outcome: Outcome) -> bool:
         """End a job that has not ended; False where it had (it was cancelled, say)."""
         values: dict[str, Any] = {"state": outcome.state, "mesh": outcome.mesh, "problem": outcome.problem}
-        values["finished"] = now()
+        values["finished"], values["request"] = now(), ENDED
         if outcome.state == "done":
             values["progress"] = 1.0
         unfinished = update(JobRow).where(JobRow.id == job_id, JobRow.state.not_in(FINISHED))
@@ -316,7 +330,7 @@ class Store:
         running = update(JobRow).where(JobRow.state == "running")
         with self._session() as session:
             tired = running.where(JobRow.attempts >= most_attempts)
-            session.execute(tired.values(state="failed", problem=problem, finished=now()))
+            session.execute(tired.values(state="failed", problem=problem, finished=now(), request=ENDED))
             session.execute(running.values(state="queued", stage="", progress=0.0, started=None))
             return len(session.scalars(select(JobRow.id).where(JobRow.state == "queued")).all())
 

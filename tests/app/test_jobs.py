@@ -138,3 +138,14 @@ def test_too_many_requests_for_long_work_are_told_to_come_again_and_others_are_a
         for call in calls:
             call.join(60)
         assert client.get(f"{model}/segments").status_code == 200
+
+
+def test_more_jobs_than_may_wait_are_told_to_come_again(settings, monkeypatch):
+    monkeypatch.setattr("app.jobs.MOST_QUEUED", 2)
+    with TestClient(create_app(settings)) as client:
+        model = client.post("/v1/models", content=PLATE, headers=TEXT).headers["location"]
+        first, second, refused = (client.post(f"{model}/meshes", json={"size": size}) for size in (20, 25, 30))
+        assert (first.status_code, second.status_code, refused.status_code) == (202, 202, 503)
+        assert "2 jobs wait already" in refused.json()["detail"] and refused.headers["retry-after"] == "5"
+        assert client.delete(second.headers["location"]).status_code == 204
+        assert client.post(f"{model}/meshes", json={"size": 30}).status_code == 202

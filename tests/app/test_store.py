@@ -1,15 +1,17 @@
 """The store: the job table is the truth."""
 
+import json
 import threading
 
 import pytest
 from alembic.autogenerate import compare_metadata
 from alembic.runtime.migration import MigrationContext
-from sqlalchemy import create_engine, text
+from sqlalchemy import create_engine, inspect, select, text
+from sqlalchemy.orm import Session
 
 from app.artifacts import Artifacts
 from app.migrations import newest
-from app.store import SCHEMA, ModelRow, Outcome, Store, Table
+from app.store import SCHEMA, JobRow, ModelRow, Outcome, Store, Table
 from kernel.errors import DefectError, OptionError
 
 
@@ -60,6 +62,19 @@ def test_a_mesh_that_is_there_already_is_not_made_twice(store, model):
     job = store.add_job(model, "a", {})
     assert (job.state, job.mesh) == ("done", mesh.id)
     assert store.claim_job() is None
+
+
+def test_a_jobs_request_is_read_when_it_is_claimed_and_dropped_when_it_has_ended(store, model):
+    job = store.add_job(model, "a", {"text": "cube();"}).id
+    assert "request" in inspect(store.job(job)).unloaded
+    assert json.loads(store.claim_job().request) == {"text": "cube();"}
+    assert store.requeue_unfinished(most_attempts=3) == 1
+    assert json.loads(store.claim_job().request) == {"text": "cube();"}
+    assert store.count_unfinished() == 1
+    store.finish_job(job, Outcome("failed", problem="{}"))
+    assert store.count_unfinished() == 0
+    with Session(store._engine) as session:
+        assert session.scalars(select(JobRow.request)).all() == ["{}"]
 
 
 def test_history_keeps_what_was_set_and_taken_back(store, model):
