@@ -22,6 +22,7 @@ TITLES = {
     "CheckError": "The model does not pass its checks",
     "DeckError": "The format cannot carry the model",
     "DefectError": "A defect of csgmesh",
+    "WorkerDied": "The process that did the work died",
 }
 
 

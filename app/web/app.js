@@ -1,5 +1,6 @@
 // The page: opens a model, shows its tree, segments and reasons, takes overrides, meshes and hands out decks.
 import { EXAMPLES } from "/web/examples.js";
+import { rulesEditor } from "/web/rules.js";
 import { Viewer, parseGlb } from "/web/viewer.js";
 
 const TYPES = ["beam", "plate", "cylinder_plate", "brick", "plates", "split", "auto"];
@@ -356,9 +357,13 @@ byId("deck-format").addEventListener("change", linkDeck);
 for (const tab of document.querySelectorAll("[role=tab]")) {
   tab.addEventListener("click", () => attempt(async () => { state.view = tab.dataset.view; await showView(!viewer.parts.length); }));
 }
+const showRules = rulesEditor({ byId, make, plural, askJson, attempt }, () => state.model, async () => {
+  if (state.model) await showModel(state.model);
+});
 attempt(async () => {
   const formats = await askJson("GET", "/v1/formats");
   byId("deck-format").append(...formats.map((format) => make("option", { value: format.name }, format.title)));
   const model = new URLSearchParams(location.search).get("model");
   if (model) await showModel(await askJson("GET", `/v1/models/${encodeURIComponent(model)}`));
+  await showRules();
 });

@@ -210,3 +210,51 @@ def test_a_service_with_tokens_asks_for_one_and_then_works(browser, tmp_path):
         browser.wait(f"{by('deck-format')}.options.length > 0")
         assert not browser.run(f"{by('token-dialog')}.open")
     assert browser.errors == []
+
+
+def write_rules(page, text):
+    page.run(
+        f"(() => {{ const e = {by('rules-editor')}; e.value = {text!r}; e.dispatchEvent(new Event('input')); }})()"
+    )
+
+
+def count_of(kind):
+    return f"document.querySelectorAll('[data-testid=segment-row][data-type={kind}]').length"
+
+
+def problems():
+    return f"{by('rules-problems')}.innerText"
+
+
+def test_rules_are_looked_at_as_they_are_written(page):
+    page.wait(f"{problems()}.includes('nothing wrong')")
+    write_rules(page, "name: house\nextends: base\nrules:\n  - id: x\n    when: [slendernes > 3]\n")
+    page.wait(f"{problems()}.includes(\"did you mean 'slenderness'\")")
+    assert "5:12" in page.run(problems())
+    assert page.run(f"{by('rules-use')}.disabled")
+    buttons = f"[...{by('rules-problems')}.querySelectorAll('button')]"
+    page.run(f"{buttons}.find(button => button.innerText === '5:12').click()")
+    chosen = page.run(f"(() => {{ const e = {by('rules-editor')}; return e.value.slice(e.selectionStart); }})()")
+    assert chosen.startswith("slendernes > 3]")
+
+
+def test_rules_show_what_they_would_change_and_then_decide(page):
+    open_example(page, "Table", 5)
+    page.wait(f"{problems()}.includes('nothing wrong')")
+    write_rules(page, "name: house\nextends: base\nparameters:\n  beam_slenderness: {value: 16}\n")
+    page.run(f"{by('rules-use')}.disabled = true")
+    page.wait(f"!{by('rules-use')}.disabled")
+    page.run(f"{by('rules-compare')}.click()")
+    page.wait(f"{by('rules-diff')}.innerText.includes('differ from base')")
+    told = page.run(f"{by('rules-diff')}.innerText")
+    assert told.startswith("4 of 6 decisions in table.csg")
+    assert "\n1\tbeam\tbrick\tthe-rest-is-brick" in told
+    assert types(page) == ["plate", "beam", "beam", "beam", "beam"]
+    page.run(f"{by('rules-test')}.click()")
+    page.wait(f"{by('rules-diff')}.innerText.includes('cases hold')")
+    page.run(f"{by('rules-use')}.click()")
+    page.wait(f"{by('rules-in-use')}.innerText.startsWith('house ')")
+    page.wait(f"{count_of('brick')} === 4")
+    page.run(f"{by('rules-own')}.click()")
+    page.wait(f"{by('rules-in-use')}.innerText.startsWith('base ')")
+    page.wait(f"{count_of('beam')} === 4")
