@@ -2,9 +2,12 @@
 
 1. Rigid ties join nodes into bodies that move as one. A weighted average whose patch cannot define a rotation
    (collinear, or fewer than three nodes), and every average on request ("rigid"), is such a body too.
-2. A body has at most one anchor: a node that rests on an average or an interpolation. Where it would have several,
-   all become rigid, with a note.
-3. Patches leave out nodes that depend on something else, as long as the rest still defines a rotation.
+2. A body has at most one anchor: a node that rests on an average or an interpolation. Averages of one node become
+   one over all their patches (several.py). Where a body would still have several anchors, all become rigid, with a
+   note.
+3. Patches keep nodes that depend on something else: the average is then written out in what those follow. Nodes
+   that follow the average's own are left out; where they are most of the patch, they hold the joint, and the average
+   says nothing more.
 4. An interpolation from hosts of which one is in the node's own body says nothing more, and is left out.
 """
 
@@ -18,10 +21,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kernel.connect.bodies import Bodies
+from kernel.connect.several import one_average_each
 from kernel.errors import ConnectError
 from kernel.mesh.assembly import Tie
 
 Array = NDArray[np.float64]
+
+MOST = 0.5
+"""Share of a patch, by weight, that must be left for its average to stand for the whole."""
 
 FLATNESS = 1e-3
 """A patch whose width is less than this times its length is a line: translations on it define no rotation about it.
@@ -31,12 +38,13 @@ Both as the weights count them. The rotation's error is rounding over the square
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Average:
-    """A node that moves as the average of a patch."""
+    """A node that moves as the average of a patch; n_face: of how many faces' patches, where they were put together."""
 
     node: int
     patch: NDArray[np.int64]
     weights: Array
     tie: Tie
+    n_face: int = 1
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -71,7 +79,12 @@ class Arrangement:
     """The ties, sorted out. bodies (those with an anchor too, be they of one node), pairs and notes are its result."""
 
     def __init__(
-        self, ties: Sequence[Tie], nodes: Array, has_rotations: NDArray[np.bool_], is_rigid: Callable[[Tie], bool]
+        self,
+        ties: Sequence[Tie],
+        nodes: Array,
+        has_rotations: NDArray[np.bool_],
+        is_rigid: Callable[[Tie], bool],
+        pieces: Callable[[], NDArray[np.int64]],
     ) -> None:
         self.nodes = nodes
         self.has_rotations = has_rotations
@@ -84,6 +97,7 @@ class Arrangement:
         self._interpolations: list[Interpolation] = []
         for tie in ties:
             self._take(tie)
+        self._averages = one_average_each(self._averages, ties, pieces, is_rigid)
         self._one_interpolation_each()
         while self._pass():
             pass
@@ -155,22 +169,37 @@ class Arrangement:
         return bool(rigid)
 
     def _thin_patches(self) -> bool:
-        dependents = {node for body in self._bodies() for node in body.members if node != body.head or body.anchor}
-        dependents |= {pair.node for pair in self.pairs}
+        leads = self._leads()
         kept: list[Average] = []
         for average in self._averages:
             own = self._joined.find(average.node)
-            free = [n not in dependents and self._joined.find(n) != own for n in average.patch.tolist()]
-            patch, weights = (own[np.array(free, dtype=bool)] for own in (average.patch, average.weights))
+            free = np.array(
+                [not _reaches(leads, self._joined.find(n), own) for n in average.patch.tolist()], dtype=bool
+            )
+            patch, weights = average.patch[free], average.weights[free]
+            if weights.sum() < MOST * average.weights.sum() and not self.is_rigid(average.tie):
+                leads[own] = set()
+                continue
             if not self.is_rigid(average.tie) and defines_rotation(self.nodes[patch], weights):
+                leads[own] = {self._joined.find(n) for n in patch.tolist()}
                 kept.append(replace(average, patch=patch, weights=weights))
                 continue
-            if not self.is_rigid(average.tie) and defines_rotation(self.nodes[average.patch], average.weights):
-                self.notes.append(f"{joint_of(average.tie)}: rigid, for most of its patch depends on another joint")
             self._join(average)
         changed = len(kept) < len(self._averages)
         self._averages = kept
         return changed
+
+    def _leads(self) -> dict[int, set[int]]:
+        """By body, those that it follows: of its anchor's patch or hosts, or of its pair's other node."""
+        find = self._joined.find
+        leads: dict[int, set[int]] = {}
+        for average in self._averages:
+            leads.setdefault(find(average.node), set()).update(find(node) for node in average.patch.tolist())
+        for item in self._interpolations:
+            leads.setdefault(find(item.node), set()).update(find(host) for host in item.hosts.tolist())
+        for pair in self.pairs:
+            leads.setdefault(find(pair.node), set()).add(find(pair.independent))
+        return leads
 
     def _join(self, anchor: Average | Interpolation) -> None:
         """The anchor's node and what it rests on move as one from now on."""
@@ -218,6 +247,19 @@ class Arrangement:
             if count == 0:
                 raise ConnectError(f"{place}: every node of it already depends on another joint")
         return kept
+
+
+def _reaches(leads: dict[int, set[int]], start: int, end: int) -> bool:
+    """Whether what `start` follows, however long the chain, is `end`, or it is `end` itself."""
+    seen, open_ones = {start}, [start]
+    while open_ones:
+        body = open_ones.pop()
+        if body == end:
+            return True
+        fresh = leads.get(body, set()) - seen
+        seen |= fresh
+        open_ones += fresh
+    return False
 
 
 def defines_rotation(points: Array, weights: Array) -> bool:

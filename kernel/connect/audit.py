@@ -14,6 +14,8 @@ from kernel.mesh.order import middle_nodes
 from kernel.pieces import connected_pieces, near_pairs
 
 if TYPE_CHECKING:
+    from collections.abc import Collection, Sequence
+
     from kernel.connect.model import Coupling, Model
     from kernel.mesh.mesh import Mesh
 
@@ -39,10 +41,12 @@ def component_segments(model: Model) -> tuple[tuple[str, ...], ...]:
     return tuple(sorted(ordered, key=lambda segments: [rank[segment] for segment in segments]))
 
 
-def coincident_nodes(model: Model, tolerance: float) -> int:
+def coincident_nodes(model: Model, tolerance: float, joined: Collection[tuple[str, str]] | None = None) -> int:
     """Pairs of nodes nearer than the tolerance that no coupling ties to one another.
 
-    A node tied to an element is tied to all of that element's nodes, be they in the coupling (its corners) or not.
+    A node tied to an element is tied to all of that element's nodes, be they in the coupling (its corners) or not, and
+    to what follows the same nodes. joined: pairs of segments that have a joint, None where that is not known. Solids
+    that have none may touch along a line: their nodes there are no pairs.
     """
     nodes = model.mesh.nodes
     if tolerance <= 0 or len(nodes) < 2:
@@ -62,7 +66,55 @@ def coincident_nodes(model: Model, tolerance: float) -> int:
     reached = {
         node: {int(n) for index in couplings[node] for n in coupling_nodes(model.couplings[index])} for node in around
     }
-    return sum(not (reached[a] & around[b] or reached[b] & around[a]) for a, b in untied)
+    followed = {
+        node: {int(n) for index in couplings[node] for n in _followed(model.couplings[index], node)} for node in around
+    }
+    untied = [
+        (a, b) for a, b in untied if not (reached[a] & around[b] or reached[b] & around[a] or followed[a] & followed[b])
+    ]
+    return len(untied) if joined is None else len(untied) - _on_lines(model.mesh, untied, joined, tolerance)
+
+
+def _followed(coupling: Coupling, node: int) -> NDArray[np.int64]:
+    """The nodes that `node` follows by a coupling in which it is dependent; none where it is not."""
+    members = coupling_nodes(coupling)
+    if isinstance(coupling, Rbe2):
+        return members[:1] if node != coupling.independent else members[:0]
+    dependent = int(coupling.nodes[0]) if isinstance(coupling, Mpc) else coupling.dependent
+    return members[members != node] if node == dependent else members[:0]
+
+
+def _on_lines(
+    mesh: Mesh, pairs: Sequence[tuple[int, int]], joined: Collection[tuple[str, str]], tolerance: float
+) -> int:
+    """How many of the pairs are of two solids without a joint, all of whose pairs lie on one line."""
+    solids: dict[int, set[str]] = {}
+    others: set[int] = set()
+    wanted = np.zeros(mesh.n_node, dtype=bool)
+    wanted[[node for pair in pairs for node in pair]] = True
+    for block in mesh.blocks:
+        used = np.unique(block.connectivity[wanted[block.connectivity]]).tolist()
+        if ELEMENT_KINDS[block.kind].dimension < 3:
+            others.update(used)
+        for node in used:
+            solids.setdefault(node, set()).add(block.segment)
+    touching: dict[tuple[str, str], list[int]] = {}
+    for a, b in pairs:
+        between = {(min(s, t), max(s, t)) for s in solids.get(a, ()) for t in solids.get(b, ())}
+        is_apart = not any(s == t or (s, t) in joined or (t, s) in joined for s, t in between)
+        if len(between) == 1 and is_apart and not others & {a, b}:
+            touching.setdefault(between.pop(), []).append(a)
+    return sum(len(at) for at in touching.values() if _are_on_a_line(mesh.nodes[at], tolerance))
+
+
+def _are_on_a_line(points: NDArray[np.float64], tolerance: float) -> bool:
+    """Whether points (n, 3) are no further than the tolerance from one line."""
+    if len(points) < 3:
+        return True
+    arms = points - points[0]
+    along = arms[int(np.argmax(np.linalg.norm(arms, axis=1)))]
+    away = np.linalg.norm(np.cross(arms, along / np.linalg.norm(along)), axis=1)
+    return bool(away.max() <= 2 * tolerance)
 
 
 def _neighbours(mesh: Mesh, nodes: set[int]) -> dict[int, set[int]]:

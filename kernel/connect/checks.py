@@ -125,7 +125,7 @@ def check_against(model: Model, reference: Reference) -> Checks:
         components=connected_components(model),
         solid_components=reference.pieces,
         free_nodes=_free_nodes(model),
-        coincident_nodes=coincident_nodes(model, VERTEX_TOLERANCE * size),
+        coincident_nodes=coincident_nodes(model, VERTEX_TOLERANCE * size, reference.joined),
         coupling_error=max(errors),
         doubly_dependent=doubly,
         chained=chained,

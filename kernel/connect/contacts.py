@@ -189,7 +189,12 @@ def _kind(
         if any(abs(beam.direction @ normal) > least for beam in beams):
             return "end_on"
         walls = [segment.shape for segment in pair if isinstance(segment.shape, PlateShape | CylinderShape)]
-        return "end_on" if any(_leans(beams[0], wall) for wall in walls) else "along"
+        if any(_leans(beams[0], wall) for wall in walls):
+            return "end_on"
+        # a plane that is not parallel to a beam cuts its end off: a brick's face, on which a slanting beam stands
+        is_flat = isinstance(pair[0].solid.surfaces.surfaces[surfaces[0]], Plane)
+        is_cut = is_flat and len(beams) == 1 and not walls and abs(beams[0].direction @ normal) > ALONG
+        return "end_on" if is_cut else "along"
     if any(isinstance(segment.shape, BrickShape) for segment in pair):
         return "face"
     tubes = [segment.shape for segment in pair if isinstance(segment.shape, CylinderShape)]

@@ -2,8 +2,8 @@
 
 arrange.py says who depends on whom. Here a body without an anchor follows its head (RBE2). A body on an average gives
 each of its nodes that very average, taken at the node (RBE3): exactly the same motion, and no chain. What remains,
-interpolations, work, and nodes that follow dependent ones, are equations in which dependent freedoms have been
-replaced by what they depend on.
+interpolations, work, averages of dependent nodes, and nodes that follow those, are equations in which dependent
+freedoms have been replaced by what they depend on.
 """
 
 from __future__ import annotations
@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from kernel.connect.arrange import Arrangement, Average, Body, Interpolation, Pair, joint_of
 from kernel.connect.equations import Expression, Freedom, average_matrices, cross_matrix, equation, rigid_row, rows
 from kernel.connect.model import Coupling, Mpc, Rbe2, Rbe3
+from kernel.connect.several import element_pieces
 from kernel.connect.work import BeamFrame, beam_frames, patch_faces, warping_of, work_matrix
 from kernel.errors import ConnectError, OptionError
 from kernel.idealise.section import SectionProperties
@@ -67,16 +68,19 @@ def make_couplings(
         return by_joint.get(tie.joint.id, kind) if tie.joint is not None else kind
 
     has_rotations = nodes_with_rotations(mesh)
-    arrangement = Arrangement(ties, nodes, has_rotations, is_rigid=lambda tie: kind_of(tie) == "rigid")
+    arrangement = Arrangement(
+        ties, nodes, has_rotations, is_rigid=lambda tie: kind_of(tie) == "rigid", pieces=lambda: element_pieces(mesh)
+    )
     rigid = [coupling for body in arrangement.bodies if body.anchor is None for coupling in _rigid(body, has_rotations)]
     on_average = [(body, body.anchor) for body in arrangement.bodies if isinstance(body.anchor, Average)]
     frames = beam_frames(mesh, nodes, sections or {}) if "work" in (kind, *by_joint.values()) else {}
     by_work = [
         body
         for body, average in on_average
-        if kind_of(average.tie) == "work" and average.node in frames and not _is_alongside(average.tie)
+        if kind_of(average.tie) == "work" and _why_not_work(average, frames) is None
     ]
     worked = {body.head for body in by_work}
+    dependents = arrangement.dependents | {pair.node for pair in arrangement.pairs}
     table: dict[Freedom, Expression] = {}
     couplings: list[Coupling] = [*rigid]
     table.update(_work(by_work, frames, mesh, nodes, has_rotations))
@@ -84,19 +88,17 @@ def make_couplings(
     for body, average in on_average:
         if body.head in worked:
             continue
-        couplings += _averaged(body, average, has_rotations)
+        if dependents.isdisjoint(average.patch.tolist()):
+            couplings += _averaged(body, average, has_rotations)
+        else:
+            table.update(_average_rows(body, average, nodes, has_rotations))
         if kind_of(average.tie) == "work":
-            why = "only a beam's section says how work is shared out"
-            if _is_alongside(average.tie):
-                why = "the face lies along the beam, and its section's stresses act across"
-            notes.append(f"{joint_of(average.tie)}: distributing, for {why}")
+            notes.append(f"{joint_of(average.tie)}: distributing, for {_why_not_work(average, frames)}")
     for body in arrangement.bodies:
         if isinstance(body.anchor, Interpolation):
             table.update(_interpolated(body.anchor, nodes, has_rotations))
             table.update(_followers(body, nodes, has_rotations))
-    dependents = arrangement.dependents
     followers: dict[int, list[int]] = {}
-    dependents |= {pair.node for pair in arrangement.pairs}
     for pair in arrangement.pairs:
         if pair.independent not in dependents and has_rotations[pair.independent]:
             followers.setdefault(pair.independent, []).append(pair.node)
@@ -120,9 +122,13 @@ def nodes_with_rotations(mesh: Mesh) -> NDArray[np.bool_]:
     return has
 
 
-def _is_alongside(tie: Tie) -> bool:
-    """Whether the face that holds a beam lies along it."""
-    return tie.joint is not None and tie.joint.kind == "along"
+def _why_not_work(average: Average, frames: Mapping[int, BeamFrame]) -> str | None:
+    """What speaks against equating work over the face that holds a node; None where work can be equated."""
+    if average.n_face > 1:
+        return f"its node rests on {average.n_face} faces at once"
+    if average.tie.joint is not None and average.tie.joint.kind == "along":
+        return "the face lies along the beam, and its section's stresses act across"
+    return None if average.node in frames else "only a beam's section says how work is shared out"
 
 
 def _components(node: int, has_rotations: NDArray[np.bool_]) -> range:
@@ -140,6 +146,15 @@ def _averaged(body: Body, average: Average, has_rotations: NDArray[np.bool_]) ->
     return [
         Rbe3(node, average.patch, average.weights, "123456" if has_rotations[node] else "123") for node in body.members
     ]
+
+
+def _average_rows(
+    body: Body, average: Average, nodes: Array, has_rotations: NDArray[np.bool_]
+) -> dict[Freedom, Expression]:
+    """The same as rows, for a patch of which nodes depend on something else."""
+    return {
+        freedom: row for coupling in _averaged(body, average, has_rotations) for freedom, row in rows(coupling, nodes)
+    }
 
 
 def _work(

@@ -34,6 +34,7 @@ class Reference:
     known: a part of the model can then be checked too. curve_uses, arms: as in assembly.Assembly.
     misfits: by segment id, what is wrong with its thickness (idealise/ledger.py), where the rules chose it.
     may_coincide: segments were meshed apart and are not connected yet, so that their nodes may lie on one another.
+    joined: pairs of segments that have a joint; None where that is not known.
     """
 
     size: float
@@ -46,6 +47,7 @@ class Reference:
     pieces_of: str = "the solid"
     misfits: Mapping[str, str] = field(default_factory=dict)
     may_coincide: bool = False
+    joined: frozenset[tuple[str, str]] | None = None
 
 
 def reference_of(assembly: Assembly, evaluated: Evaluated) -> Reference:
@@ -64,6 +66,7 @@ def reference_of(assembly: Assembly, evaluated: Evaluated) -> Reference:
         curve_uses=assembly.curve_uses,
         arms=assembly.arms,
         misfits=misfits(assembly.ledger, chosen),
+        joined=frozenset(joint.segments for joint in assembly.joints),
     )
     if assembly.only is None and not assembly.apart:
         return whole

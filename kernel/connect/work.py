@@ -29,6 +29,7 @@ from kernel.idealise.section import SectionProperties
 from kernel.idealise.torsion import Warping, solve_warping
 from kernel.mesh.elements import ELEMENT_KINDS
 from kernel.mesh.mesh import Mesh
+from kernel.mesh.patches import shape_functions
 
 Array = NDArray[np.float64]
 
@@ -98,10 +99,7 @@ def work_matrix(
     local = points @ axes.T
     forces = _integrated(section, warping, local[:, 1:], faces)
     if forces is None:
-        forces = np.zeros((6, len(points), 3))
-        nearest = _nearest(warping.points, local[:, 1:])
-        for force, field in zip(forces, _stresses(section, warping, warping.points)):
-            np.add.at(force, nearest, field * warping.areas[:, None])
+        forces = _gathered(section, warping, local[:, 1:], faces)
     motions = np.zeros((6, len(points), 3))
     motions[:3] = np.eye(3)[:, None, :]
     motions[3:] = np.cross(np.eye(3)[:, None, :], local[None, :, :])
@@ -141,6 +139,20 @@ def _integrated(
     for force, load in zip(forces, loads):
         np.add.at(force, faces, load)
     return forces
+
+
+def _gathered(section: SectionProperties, warping: Warping, flat: Array, faces: NDArray[np.int64]) -> Array:
+    """(6, n, 3) loads of the unit stresses on the nodes at `flat` (y, z), from the points of the section's own mesh."""
+    shares = np.zeros((len(warping.points), len(flat)))
+    shares[np.arange(len(shares)), _nearest(warping.points, flat)] = 1.0
+    loops = [face[: len(set(face.tolist()))] for face in faces]
+    polygons = [shapely.Polygon(flat[loop]) for loop in loops]
+    places, found = shapely.STRtree(polygons).query(shapely.points(warping.points), predicate="intersects")
+    for place, face in zip(places.tolist(), found.tolist()):
+        shares[place] = 0.0
+        shares[place, loops[face]] = shape_functions(flat[loops[face]], warping.points[place])
+    loads = _stresses(section, warping, warping.points) * warping.areas[:, None]
+    return np.einsum("pn,fpc->fnc", shares, loads)
 
 
 def _stresses(section: SectionProperties, warping: Warping, places: Array) -> Array:

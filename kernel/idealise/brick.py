@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 from kernel.connect.joints import Joint, joints_by_segment
 from kernel.errors import MeshError
 from kernel.idealise.cells import Cell, cells_of, curves_of_cells
-from kernel.idealise.footprints import footprint
+from kernel.idealise.footprints import foot_sides, footprint
 from kernel.idealise.imprints import Candidate, imprint, lay_outlines
 from kernel.idealise.outlines import PolygonLike, Stretch, domain
 from kernel.idealise.roundness import roundness
@@ -92,6 +92,19 @@ def _across(segment: Segment, joint: Joint, direction: Array) -> bool:
     """Whether the joint lies in a plane across the direction."""
     surface = segment.solid.surfaces.surfaces[joint.surface]
     return isinstance(surface, Plane) and _parallel(surface.normal, direction)
+
+
+def _is_upright(segment: Segment, joint: Joint, direction: Array) -> bool:
+    """Whether a foot may be carried along the direction: a leaning segment's own sides would carry it elsewhere."""
+    surfaces = segment.solid.surfaces.surfaces
+    return all(
+        _is_round_side(surfaces[label], direction) or _is_flat_side(surfaces[label], direction)
+        for label in foot_sides(segment, joint)
+    )
+
+
+def _is_flat_side(surface: Surface, direction: Array) -> bool:
+    return isinstance(surface, Plane) and abs(float(surface.normal @ direction)) < 4 * ANGLE_TOLERANCE
 
 
 def _is_round_side(surface: Surface, direction: Array) -> bool:
@@ -208,7 +221,8 @@ def _make_group(
     for joint in joints:
         for name, other in (joint.segments, joint.segments[::-1]):
             if name in names and other not in names and _across(by_id[name], joint, direction):
-                feet += footprint(own, sheet, by_id[other], joint)
+                if _is_upright(by_id[other], joint, direction):
+                    feet += footprint(own, sheet, by_id[other], joint)
     section = replace(_own_section(own, sheet, bricks, rings, feet), roundness=round_shares)
     return SweepGroup(direction, sheet, bricks, section=section), []
 

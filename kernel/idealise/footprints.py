@@ -15,7 +15,7 @@ from kernel.idealise.implicit import project
 from kernel.idealise.imprints import Candidate
 from kernel.idealise.outlines import Stretch, stretch_between, trace_ring
 from kernel.idealise.parts import Parts
-from kernel.idealise.rings import boundary_rings
+from kernel.idealise.rings import Ring, boundary_rings
 from kernel.idealise.sheets import Sheet
 from kernel.idealise.tangent_lines import is_tangent
 from kernel.idealise.topology import Topology
@@ -59,23 +59,34 @@ def is_on_face(wall: Wall, joint: Joint) -> bool:
 
 def footprint(topology: Topology, sheet: Sheet, segment: Segment, joint: Joint) -> list[list[Stretch]]:
     """The outline of the segment's face on the joint's surface, carried to the sheet along the segment's own sides."""
+    outlines = []
+    for ring in _foot_rings(segment, joint):
+        points = project(ring.points, (sheet.surface,))
+        stretches = trace_ring(topology, segment.solid.surfaces, sheet, points, ring.labels)
+        if stretches:
+            outlines.append(stretches)
+    return outlines
+
+
+def foot_sides(segment: Segment, joint: Joint) -> list[int]:
+    """Ids of the surfaces that bound the segment's face on the joint's surface."""
+    return sorted({int(label) for ring in _foot_rings(segment, joint) for label in ring.labels})
+
+
+def _foot_rings(segment: Segment, joint: Joint) -> list[Ring]:
+    """The boundary of the segment's face on the joint's surface."""
     table = segment.solid.surfaces
     faces = faces_of(segment.solid)
-    outlines = []
+    rings: list[Ring] = []
     own = joint.surface_of(segment.id)
     for side in (1, -1):
         if (own, side) not in faces.areas:
             continue
         out = side * outward(table.surfaces[own], joint.centre[None])[0]
         leaving = joint.normal if joint.segments[0] == segment.id else -joint.normal
-        if out @ leaving < 0:
-            continue
-        for ring in boundary_rings(faces.facets, faces.mask(own, side)):
-            points = project(ring.points, (sheet.surface,))
-            stretches = trace_ring(topology, table, sheet, points, ring.labels)
-            if stretches:
-                outlines.append(stretches)
-    return outlines
+        if out @ leaving >= 0:
+            rings += boundary_rings(faces.facets, faces.mask(own, side))
+    return rings
 
 
 def footprint_candidates(parts: Parts) -> list[Candidate]:

@@ -103,22 +103,7 @@ def beam_on_beam(meshed: Meshed, joint: Joint) -> list[Tie]:
     """A rigid arm where one ends on the other or they cross; one at every station where they run side by side."""
     first, second = (meshed.parts.beams[name] for name in joint.segments)
     if joint.kind == "along" and abs(first.direction @ second.direction) > PARALLEL:
-        spacing = float(np.diff(first.offsets).max())
-        points = first.origin + first.offsets[:, None] * first.direction
-        start, end = _extent(meshed.parts, joint, first)
-        ties = []
-        slack = meshed.parts.topology.tolerance * 4
-        for offset, node, point in zip(first.offsets, first.nodes.tolist(), points):
-            if not start - slack <= offset <= end + slack:
-                continue
-            other = second.offset_of(point)
-            partner = second.node_at(other)
-            place = second.offsets[int(np.argmin(np.abs(second.offsets - other)))]
-            if abs(place - other) <= 1e-3 * spacing and abs(second.at(other) @ first.direction - offset) <= slack:
-                ties.append(_rigid(joint, partner, [node]))
-        if not ties:
-            raise ConnectError(f"{joint.id}: {first.segment.id} and {second.segment.id} have no stations side by side")
-        return ties
+        return [_rigid(joint, partner, [node]) for node, partner in _side_by_side_nodes(meshed, joint)]
     common = _common_end(meshed.parts, first, second, joint)
     if common is not None:
         return [_rigid(joint, first.node_at(common[0]), [second.node_at(common[1])])]
@@ -133,6 +118,27 @@ def beam_on_beam(meshed: Meshed, joint: Joint) -> list[Tie]:
             [ending.node_at(ending.offset_of(joint.middle))],
         )
     ]
+
+
+def _side_by_side_nodes(meshed: Meshed, joint: Joint) -> list[tuple[int, int]]:
+    """Nodes of the first beam and of the second that face one another along the contact.
+
+    They do where the stations of the joint stand. Walls that the beams lie along have a say in where their nodes are,
+    too: then each node goes with the one that is nearest to it, if that is so of both; the nearest of all at least.
+    """
+    first, second = (meshed.parts.beams[name] for name in joint.segments)
+    slack = meshed.parts.topology.tolerance * 4
+
+    def along(beam: Beam) -> Indices:
+        start, end = _extent(meshed.parts, joint, beam)
+        inside = (beam.offsets >= start - slack) & (beam.offsets <= end + slack)
+        return beam.nodes[inside] if inside.any() else beam.nodes
+
+    own, other = along(first), along(second)
+    apart = np.linalg.norm(meshed.points[own][:, None] - meshed.points[other][None], axis=2)
+    nearest, back = apart.argmin(axis=1), apart.argmin(axis=0)
+    mutual = np.flatnonzero(back[nearest] == np.arange(len(own)))
+    return [(int(own[place]), int(other[nearest[place]])) for place in mutual.tolist()]
 
 
 def beam_on_wall(meshed: Meshed, joint: Joint, beam: Beam, wall: Wall) -> list[Tie]:

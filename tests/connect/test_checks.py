@@ -11,7 +11,7 @@ from kernel.connect.audit import coincident_nodes, connected_components, edge_cr
 from kernel.connect.checks import dependence
 from kernel.connect.couplings import nodes_with_rotations
 from kernel.connect.mass import block_moments, solid_moments, total
-from kernel.connect.model import Property, Rbe2
+from kernel.connect.model import Mpc, Property, Rbe2
 from kernel.mesh.mesh import ElementBlock
 from kernel.mesh.order import middle_nodes, to_second_order
 
@@ -44,6 +44,34 @@ def test_coincident_nodes_count_unless_a_coupling_ties_them():
     assert coincident_nodes(model, 1e-6) == 3
     tied = replace(model, couplings=(Rbe2(6, np.array([9])),))
     assert coincident_nodes(tied, 1e-6) == 2
+
+
+def two_hexes(step):
+    """Two unit cubes, the second one moved by `step`."""
+    corners = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]], float)
+    blocks = [ElementBlock("s1", "hex8", np.arange(8)[None]), ElementBlock("s2", "hex8", np.arange(8, 16)[None])]
+    return model_of(np.vstack([corners, corners + step]), blocks, [])
+
+
+def test_solids_without_a_joint_may_touch_along_a_line_but_not_over_a_face():
+    on_a_line, on_a_face = two_hexes([1, 0, 1]), two_hexes([1, 0, 0])
+    assert coincident_nodes(on_a_line, 1e-6) == 2
+    assert coincident_nodes(on_a_line, 1e-6, joined={("s1", "s2")}) == 2
+    assert coincident_nodes(on_a_line, 1e-6, joined=set()) == 0
+    assert coincident_nodes(on_a_face, 1e-6, joined=set()) == 4
+
+
+def test_nodes_at_one_place_that_follow_the_same_node_are_tied():
+    model = two_hexes([1, 0, 1])
+    first, second = ((1 + 4, 8), (2 + 4, 11))
+
+    def follows(node, other):
+        return tuple(Mpc(np.array([node, other]), np.array([k, k]), np.array([-1.0, 1.0])) for k in (1, 2, 3))
+
+    by_a_third = (*follows(first[0], 0), *follows(first[1], 0))
+    assert coincident_nodes(replace(model, couplings=by_a_third), 1e-6) == 1
+    apart = (*follows(first[0], 0), *follows(first[1], 14), *follows(second[0], 14), *follows(second[1], 14))
+    assert coincident_nodes(replace(model, couplings=apart), 1e-6) == 1
 
 
 def test_the_crack_audit_knows_each_edge():

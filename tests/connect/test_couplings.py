@@ -136,30 +136,90 @@ def test_what_hangs_rigidly_on_an_averaged_node_gets_the_same_average():
         assert consistent(couplings, mesh)
 
 
-def test_a_node_that_rests_on_two_patches_makes_both_rigid_and_says_so():
+def on_two_patches(mesh, foot, first, second):
+    """The beam's first node rests on two patches of four nodes."""
+    ties = [
+        Tie("beam_on_face", None, np.array([foot]), np.array(patch), weight * np.ones(4))
+        for patch, weight in ((first, 3.0), (second, 1.0))
+    ]
+    return make_couplings(ties, mesh, mesh.nodes)
+
+
+def test_a_node_that_rests_on_two_patches_of_one_body_follows_the_average_of_both():
     nodes, block = plates()
     mesh, (foot,) = with_lines(nodes, block, (20, 20, 2))
-    ties = [
-        Tie("beam_on_face", None, np.array([foot]), np.array([0, 1, 5, 6]), np.ones(4)),
-        Tie("beam_on_face", None, np.array([foot]), np.array([18, 19, 23, 24]), np.ones(4)),
-    ]
-    result = make_couplings(ties, mesh, mesh.nodes)
+    result = on_two_patches(mesh, foot, [0, 1, 5, 6], [6, 7, 11, 12])
+    (coupling,) = result.couplings
+    assert isinstance(coupling, Rbe3)
+    assert dict(zip(coupling.independent.tolist(), coupling.weights.tolist())) == pytest.approx(
+        {0: 3, 1: 3, 5: 3, 6: 4, 7: 1, 11: 1, 12: 1}
+    )
+    assert result.notes == ()
+
+
+def test_a_node_that_alone_holds_two_bodies_together_makes_both_rigid_and_says_so():
+    """An average over both would hold the node, but not the two plates to one another."""
+    nodes, block = plates()
+    other, quads = grid((50, 0, 0), (40, 0, 0), (0, 40, 0), 4, 4)
+    plate = ElementBlock("s9", "quad4", quads + len(nodes) + 2)
+    mesh, (foot,) = with_lines(nodes, block, (45, 20, 2))
+    mesh = Mesh(np.vstack([mesh.nodes, other]), (*mesh.blocks, plate))
+    beyond = np.array([0, 1, 5, 6]) + len(nodes) + 2
+    result = on_two_patches(mesh, foot, [3, 4, 8, 9], beyond)
     (coupling,) = result.couplings
     assert isinstance(coupling, Rbe2)
     assert len(coupling.dependent) == 8
     assert "rests on 2 faces" in result.notes[0]
 
 
-def test_a_patch_leaves_out_nodes_that_depend_on_another_joint():
+def test_an_average_of_dependent_nodes_is_written_out_in_what_those_follow():
     nodes, block = plates()
     mesh, (foot, post) = with_lines(nodes, block, (20, 20, 2), (0, 0, 5))
+    patch = [6, 7, 8, 11, 12, 13]
+    ties = [
+        Tie("beam_on_face", None, np.array([foot]), np.array(patch), np.ones(6)),
+        Tie("rigid", None, np.array([6]), np.array([post])),
+    ]
+    result = make_couplings(ties, mesh, mesh.nodes)
+    equations = [c for c in result.couplings if isinstance(c, Mpc)]
+    assert [int(c.nodes[0]) for c in equations] == [foot] * 6
+    assert set(equations[0].nodes[1:].tolist()) == {7, 8, 11, 12, 13, post}
+    assert consistent(result.couplings, mesh)
+    assert worst_rigid_motion(result.couplings, mesh.nodes) < 1e-9
+    assert result.notes == ()
+
+
+def following(dependent, hosts):
+    """Nodes that each follow four hosts alike."""
+    weights = (np.full(4, 0.25),) * len(dependent)
+    return Tie(
+        "interpolated", None, np.array(dependent), hosts=(np.array(hosts),) * len(dependent), host_weights=weights
+    )
+
+
+def test_a_patch_leaves_out_nodes_that_follow_its_own_node():
+    nodes, block = plates()
+    mesh, (foot,) = with_lines(nodes, block, (20, 20, 2))
     ties = [
         Tie("beam_on_face", None, np.array([foot]), np.array([6, 7, 8, 11, 12, 13]), np.ones(6)),
-        Tie("rigid", None, np.array([6]), np.array([post])),
+        following([6], [foot, 22, 23, 24]),
     ]
     result = make_couplings(ties, mesh, mesh.nodes)
     (average,) = [c for c in result.couplings if isinstance(c, Rbe3)]
     assert average.independent.tolist() == [7, 8, 11, 12, 13]
+    assert consistent(result.couplings, mesh)
+
+
+def test_a_patch_that_mostly_follows_its_own_node_asks_for_nothing_more():
+    nodes, block = plates()
+    mesh, (foot,) = with_lines(nodes, block, (20, 20, 2))
+    ties = [
+        Tie("beam_on_face", None, np.array([foot]), np.array([6, 7, 8, 11, 12, 13]), np.ones(6)),
+        following([6, 7, 8, 11], [foot, 22, 23, 24]),
+    ]
+    result = make_couplings(ties, mesh, mesh.nodes)
+    assert {type(c) for c in result.couplings} == {Mpc}
+    assert {int(c.nodes[0]) for c in result.couplings} == {6, 7, 8, 11}
     assert consistent(result.couplings, mesh)
 
 

@@ -84,6 +84,15 @@ BEAMS = {
     "stiffener askew on a plate": Joined(
         union(cube(500, 300, 8), cube(400, 20, 20, (60, 60, 8), turned("z", 23))), "along", "beam plate"
     ),
+    "stiffeners askew side by side": Joined(
+        union(
+            cube(625, 387, 6),
+            cube(635, 34, 22, (-60, 125.775, 6), turned("z", 7)),
+            cube(625, 39, 29, (0, 222.525, 6)),
+        ),
+        "along",
+        "beam beam plate",
+    ),
     "stiffener past a plate's edge": Joined(
         union(cube(400, 200, 8), cube(500, 20, 20, (-50, 90, 8))), "along", "beam plate"
     ),

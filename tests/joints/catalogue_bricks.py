@@ -81,6 +81,38 @@ BRICKS = {
         "corner face",
         "brick plate plate",
     ),
+    "leaning rod in a brick": Joined(
+        union(
+            cube(150, 115, 120),
+            rod(280, 12, (116, 73, 103), turned("z", 135) @ turned("x", 45)),
+            cube(200, 10, 120, (150, 52, 0)),
+        ),
+        "end_on face",
+        "beam brick plate",
+        {"1": "beam"},
+    ),
+    "leaning bar beside a boss": Joined(
+        union(
+            cube(135, 91, 129),
+            rod(80, 18, (30, 45, 129)),
+            cube(17.6, 13.2, 340, (81, 60, 95), turned("z", -15) @ turned("x", 45)),
+        ),
+        "end_on face",
+        "beam brick brick",
+        {"0": "brick", "1": "brick"},
+    ),
+    "plate in the nook of two bricks": Joined(
+        union(cube(184, 192, 109), cube(92, 192, 57, (184, 0, 0)), cube(180, 6, 109, (184, 90, 0))),
+        "face",
+        "brick brick plate",
+        {"0": "brick", "1": "brick", "2": "plate"},
+    ),
+    "brick that meets another along a line": Joined(
+        union(cube(180, 44, 66), cube(44, 200, 66, (60, 44, 0)), cube(90, 44, 60, (50, 0, 66))),
+        "face",
+        "brick brick brick",
+        {"0": "brick", "1": "brick", "2": "brick"},
+    ),
     "leaning blades around a hub": Joined(
         union(rod(80, 45), *(placed(BLADE, (0, 0, 40), turned("z", a) @ turned("x", 45)) for a in (0, 90, 180, 270))),
         "face",
