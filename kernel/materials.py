@@ -71,18 +71,20 @@ def choose_material(option: str | None, csg: CsgModel, units: UnitSet) -> Materi
     if option is not None:
         if option.lower() in own:
             name = own[option.lower()]
-            return _material_of_model(name, csg.materials[name])
+            return _material_of_model(name, csg.materials[name], units)
         return named_material(option, units)
     if len(own) > 1:
         names = ", ".join(sorted(csg.materials))
         raise OptionError(f"the model defines {len(own)} materials ({names}), expected one or the option --material")
     for name, values in csg.materials.items():
-        return _material_of_model(name, values)
+        return _material_of_model(name, values, units)
     return named_material(DEFAULT_MATERIAL, units)
 
 
-def _material_of_model(name: str, values: Mapping[str, float]) -> Material:
-    """A `MATERIAL name(E=, NU=, RHO=)`, in the model's own units. OptionError: a value is missing or out of range."""
+def _material_of_model(name: str, values: Mapping[str, float], units: UnitSet) -> Material:
+    """A `MATERIAL name(E=, NU=, RHO=)`, in the model's own units; `MATERIAL steel` alone, which a reader has given the
+    named material's numbers, keeps that one's source. OptionError: a value is missing or out of range.
+    """
     given = {key.upper(): float(value) for key, value in values.items()}
     found: dict[str, float] = {}
     for quantity, keys in _KEYS.items():
@@ -90,7 +92,12 @@ def _material_of_model(name: str, values: Mapping[str, float]) -> Material:
         if len(present) != 1:
             raise OptionError(f"material {name!r} gives {sorted(given)}, expected one value each of E, NU and RHO")
         found[quantity] = given[present[0]]
-    return checked_material(Material(name, source="the model", **found))
+    own = checked_material(Material(name, source="the model", **found))
+    if name.lower() in _SI:
+        known = replace(named_material(name, units), name=name)
+        if replace(own, source=known.source) == known:
+            return known
+    return own
 
 
 def checked_material(material: Material) -> Material:

@@ -166,6 +166,14 @@ def test_without_a_word_it_is_steel():
     assert material.density == 7850
 
 
+@pytest.mark.parametrize("units", ["mm", "in"])
+def test_a_material_that_the_model_only_names_keeps_its_source(units):
+    named = read_model(f"UNITS {units}\nMATERIAL Stainless\n{ANGLE}", "model.csg")
+    assert choose_material(None, named, unit_set(units)).source.startswith("EN 1993-1-4")
+    own = read_model(f"UNITS mm\nMATERIAL steel(E=200000, NU=0.3, RHO=7.85E-9)\n{ANGLE}", "model.csg")
+    assert choose_material(None, own, unit_set("mm")).source == "the model"
+
+
 @pytest.mark.parametrize(
     "values",
     [
