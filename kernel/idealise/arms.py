@@ -27,7 +27,8 @@ from kernel.idealise.crossings import Crossing, samples, slab_edges
 from kernel.idealise.imprints import Candidate
 from kernel.idealise.intersections import intersection
 from kernel.idealise.outlines import PolygonLike, Stretch, unwrapped, windowed
-from kernel.idealise.regions import GRID, drawn, outline_of
+from kernel.idealise.regions import GRID
+from kernel.idealise.relined import drawn, outline_of
 from kernel.idealise.strips import strip
 from kernel.idealise.topology import Topology
 from kernel.idealise.tube_curve import TubeCurve

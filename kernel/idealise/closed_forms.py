@@ -23,7 +23,10 @@ cross: - 1.
 from __future__ import annotations
 
 import itertools
+import math
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 import shapely
@@ -62,19 +65,26 @@ SQUARE = 1e-14
 
 _LINES = ((0, 1), (0, 2), (1, 2))
 
+_QUADRANTS = np.array([(2 * i - 1, 2 * j - 1) for i in (0, 1) for j in (0, 1)], dtype=np.float64)
+"""Which way a quadrant lies along each of the two lines that part a plane."""
+
 
 def closed_forms(topology: Topology, curves: Sequence[Curve], walls: Sequence[Wall]) -> Iterator[Row]:
     """A row for each curve on which walls of several planes meet, and for each point where those of three do."""
     by_face = {wall.index: wall for wall in walls}
     meeting: dict[int, list[dict[Plane, list[int]]]] = {}
+    joined: list[tuple[Curve, dict[Plane, list[int]]]] = []
     for curve in curves:
         planes = _planes(topology, curve, by_face)
         if len(planes) > 1:
             for vertex in curve.vertices:
                 meeting.setdefault(vertex, []).append(planes)
-            row = _on_curve(topology, curve, planes, by_face)
-            if row is not None:
-                yield row
+            joined.append((curve, planes))
+    straight = _on_lines(topology, joined, by_face)
+    for place, (curve, planes) in enumerate(joined):
+        row = straight[place] if place in straight else _on_curve(topology, curve, planes, by_face)
+        if row is not None:
+            yield row
     for vertex, found in sorted(meeting.items()):
         at_point: dict[Plane, list[int]] = {}
         for faces in found:
@@ -99,8 +109,54 @@ def _planes(topology: Topology, curve: Curve, by_face: dict[int, Wall]) -> dict[
 # ---------------------------------------------------------------- curves
 
 
+def _on_lines(
+    topology: Topology, joined: Sequence[tuple[Curve, dict[Plane, list[int]]]], by_face: dict[int, Wall]
+) -> dict[int, Row | None]:
+    """The rows of the straight curves, by place: all along such a curve the star of its walls is one."""
+    stars: dict[int, list[tuple[int, Array, list[_Ray]]]] = {}
+    for place, (curve, planes) in enumerate(joined):
+        carrier = topology.carrier(curve.carrier)
+        if isinstance(carrier, Line):
+            rays = _rays(curve, planes, by_face, carrier.at(np.array([0.5 * (curve.start + curve.end)])))
+            stars.setdefault(len(rays), []).append((place, carrier.direction, rays))
+    rows: dict[int, Row | None] = {}
+    for alike in stars.values():
+        tangents = np.array([tangent for _, tangent, _ in alike])
+        inward = np.array([[ray.normal * ray.sign for ray in rays] for _, _, rays in alike]).swapaxes(0, 1)
+        thicknesses = np.array([[ray.thickness for ray in rays] for _, _, rays in alike]).T
+        excess = star_excess(_angles(np.cross(inward, tangents), tangents), thicknesses)
+        for (place, _, rays), area in zip(alike, excess.tolist(), strict=True):
+            curve, planes = joined[place]
+            rows[place] = None if math.isnan(area) else _row(planes, by_face, len(rays), curve.length * area)
+    return rows
+
+
+@dataclass(frozen=True, slots=True)
+class _Ray:
+    """A wall that leaves a curve: along sign * normal x tangent."""
+
+    normal: Array
+    sign: float
+    thickness: float
+
+
+def _rays(curve: Curve, planes: dict[Plane, list[int]], by_face: dict[int, Wall], middle: Array) -> list[_Ray]:
+    """The rays of a straight curve; middle: the point (1, 3) amid it. A wall that goes on beyond it is two."""
+    found = []
+    for face in (face for faces in planes.values() for face in faces):
+        wall, use = by_face[face], curve.uses[face]
+        normal, sign = wall.sheet.normals(middle)[0], 1.0 if use.forward else -1.0
+        found += [_Ray(normal, each, wall.thickness) for each in ((sign,) if use.role == BOUNDARY else (sign, -sign))]
+    return found
+
+
+def _row(planes: dict[Plane, list[int]], by_face: dict[int, Wall], n_ray: int, volume: float) -> Row:
+    kind = {(2, 2): "corner", (2, 3): "tee", (2, 4): "cross"}.get((len(planes), n_ray), "walls on one line")
+    return tuple(by_face[face].segment.id for faces in planes.values() for face in faces), kind, volume
+
+
 def _on_curve(topology: Topology, curve: Curve, planes: dict[Plane, list[int]], by_face: dict[int, Wall]) -> Row | None:
-    """The row of one curve; None where its walls meet at hardly any angle."""
+    """The row of a bent curve; None where its walls meet at hardly any angle."""
     carrier = topology.carrier(curve.carrier)
     if isinstance(carrier, TubeCurve):
         return _on_tubes(carrier, curve, by_face)
@@ -123,19 +179,18 @@ def _on_curve(topology: Topology, curve: Curve, planes: dict[Plane, list[int]], 
             thicknesses += [wall.thickness] * len(sides)
             if use.role == BOUNDARY and len(faces) == 1:
                 ending.append((wall, inward))
-    excess = star_excess(_angles(np.stack(rays), tangents), np.array(thicknesses))
-    if excess is None:
+    excess = star_excess(_angles(np.stack(rays), tangents), np.array(thicknesses)[:, None])
+    if np.isnan(excess).any():
         return None
     volume = float(steps @ excess)
-    if len(planes) == 2 and not isinstance(carrier, Line):
+    if len(planes) == 2:
         for wall, inward in ending:
             (other,) = (by_face[faces[0]] for faces in planes.values() if by_face[faces[0]].sheet is not wall.sheet)
             normals = other.sheet.normals(middles)
             depth = 0.5 * other.thickness / np.linalg.norm(np.cross(wall.sheet.normals(middles), normals), axis=1)
             side = float(np.sign(np.einsum("ni,ni->n", inward, normals).sum()))
             volume += wall.thickness * (strip_area(topology, curve, wall, other, side) - float(steps @ depth))
-    kind = {(2, 2): "corner", (2, 3): "tee", (2, 4): "cross"}.get((len(planes), len(rays)), "walls on one line")
-    return tuple(by_face[face].segment.id for faces in planes.values() for face in faces), kind, volume
+    return _row(planes, by_face, len(rays), volume)
 
 
 def _on_tubes(carrier: TubeCurve, curve: Curve, by_face: dict[int, Wall]) -> Row | None:
@@ -196,13 +251,12 @@ def _in_point(point: Array, planes: dict[Plane, list[int]], by_face: dict[int, W
     quadrants = np.zeros((3, 2, 2), dtype=bool)
     for place, group in enumerate(groups):
         first, second = (k for k in range(3) if k != place)
-        for i, j in itertools.product((0, 1), repeat=2):
-            at = point + step * ((2 * i - 1) * lines[first] + (2 * j - 1) * lines[second])
-            flat = group[0].sheet.flat(at[None])[0]
-            quadrants[place, i, j] = any(bool(shapely.contains_xy(wall.region, *flat)) for wall in group)
+        flat = group[0].sheet.flat(point + step * (_QUADRANTS @ lines[[first, second]]))
+        inside = [shapely.contains_xy(wall.region, flat[:, 0], flat[:, 1]) for wall in group]
+        quadrants[place] = np.any(inside, axis=0).reshape(2, 2)
     names = tuple(dict.fromkeys(wall.segment.id for group in groups for wall in group))
     thicknesses = np.array([wall.thickness for wall in walls])
-    volume = corner_share(quadrants) / determinant * float(thicknesses.prod())
+    volume = _known_share(quadrants.tobytes()) / determinant * float(thicknesses.prod())
     return names, "three walls in a point", volume + _slanted_ends(normals, lines, quadrants, thicknesses)
 
 
@@ -234,6 +288,12 @@ def _slanted_ends(normals: Array, lines: Array, quadrants: NDArray[np.bool_], th
             moment = star_moment(np.stack(rays) @ frame.T, np.array(thick)) @ frame
             volume += float(normals[axis] @ moment) / float(normals[axis] @ along)
     return volume
+
+
+@lru_cache
+def _known_share(quadrants: bytes) -> float:
+    """corner_share of the bytes of its argument: corners of a model are of few kinds."""
+    return corner_share(np.frombuffer(quadrants, dtype=bool).reshape(3, 2, 2))
 
 
 def corner_share(quadrants: NDArray[np.bool_]) -> float:

@@ -13,9 +13,9 @@ from kernel.connect.joints import Joint
 from kernel.idealise.arms import TeeOf, arm_candidates, extended, stand_off
 from kernel.idealise.beam import make_beam
 from kernel.idealise.brick import group_bricks
-from kernel.idealise.crossings import find_crossings, pinch_notes
 from kernel.idealise.footprints import cut_edges, footprint_candidates, lap_candidates, seats
 from kernel.idealise.imprints import crossing_candidates, imprint, lay_outlines, outline_candidates
+from kernel.idealise.joint_curves import find_crossings, pinch_notes
 from kernel.idealise.parts import Parts
 from kernel.idealise.regions import join_walls
 from kernel.idealise.tangent_lines import tangent_candidates

@@ -19,7 +19,7 @@ from kernel.connect.joints import Joint
 from kernel.idealise.carriers import Carrier, Line
 from kernel.idealise.crossings import Crossing, merged
 from kernel.idealise.outlines import LINES_CROSS, Stretch, meeting_point, polyline, unwrapped, windowed
-from kernel.idealise.sheets import Sheet
+from kernel.idealise.sheets import PlaneSheet, Sheet
 from kernel.idealise.topology import BOUNDARY, IMPRINT, Span, Topology
 from kernel.idealise.trims import trimmed
 from kernel.idealise.walls import Wall
@@ -95,16 +95,22 @@ def outline_candidates(topology: Topology, walls: Sequence[Wall], joints: Sequen
     by_id = {wall.segment.id: wall for wall in walls}
     pairs = {(a, b) for joint in joints for a, b in (joint.segments, joint.segments[::-1]) if a in by_id and b in by_id}
     found = []
+    stations: dict[int, Array] = {}
     for a, b in sorted(pairs, key=lambda pair: (by_id[pair[0]].index, by_id[pair[1]].index)):
         wall, other = by_id[a], by_id[b]
-        if wall.sheet.surface_id == other.sheet.surface_id:
+        if wall.sheet.surface_id == other.sheet.surface_id or not wall.outline:
             continue
-        for stretch in wall.outline:
-            carrier = topology.carrier(stretch.carrier)
-            points = carrier.at(np.linspace(stretch.start, stretch.end, 4))
-            if np.abs(signed_distance(other.sheet.surface, points)).max() <= topology.tolerance:
-                found.append(Candidate(other, stretch, wall))
+        if wall.index not in stations:
+            stations[wall.index] = np.concatenate([_stations(topology, stretch) for stretch in wall.outline])
+        away = np.abs(signed_distance(other.sheet.surface, stations[wall.index])).reshape(len(wall.outline), -1)
+        within = np.flatnonzero(away.max(axis=1) <= topology.tolerance)
+        found += [Candidate(other, wall.outline[place], wall) for place in within.tolist()]
     return found
+
+
+def _stations(topology: Topology, stretch: Stretch) -> Array:
+    """Four points (4, 3) along a stretch: its ends, and two between."""
+    return topology.carrier(stretch.carrier).at(np.linspace(stretch.start, stretch.end, 4))
 
 
 def imprint(topology: Topology, candidates: Sequence[Candidate]) -> None:
@@ -136,61 +142,86 @@ class _Grown:
 
 def _imprint_face(topology: Topology, candidates: list[Candidate], grown: _Grown) -> None:
     wall = candidates[0].wall
-    drawn = [candidate.stretch for candidate in candidates]
-    stretches = [*drawn, *wall.outline]
-    cuts: list[list[tuple[float, Array]]] = [[] for _ in drawn]
-    meeting = _MeetingPoints(topology, wall.sheet)
-    ends: dict[int, list[_Place]] = {}
-    for number, other, near in _meetings(topology, wall.sheet, stretches, len(drawn)):
-        here, there = stretches[number], stretches[other]
-        met = meeting.of(here.carrier, there.carrier, near)
-        if not _is_common_end(topology, here, there, met.point):
-            _cut(topology, here, met.point, met.values[0], cuts[number])
-            _cut(topology, there, met.point, met.values[1], cuts[other] if other < len(drawn) else None)
-    for number, candidate in enumerate(candidates):
-        partner, here = candidate.partner, candidate.stretch
+    # Walls in line on both sides of this one are drawn as one: the same stretch with two partners.
+    places: dict[tuple[int, float, float, bool, bool], int] = {}
+    drawn: list[Stretch] = []
+    place_of = []
+    for candidate in candidates:
+        stretch = candidate.stretch
+        key = (stretch.carrier, stretch.start, stretch.end, stretch.forward, stretch.whole)
+        if key not in places:
+            places[key] = len(drawn)
+            drawn.append(stretch)
+        place_of.append(places[key])
+    cuts = _cuts(topology, wall, drawn)
+    parts: list[tuple[Candidate, Stretch]] = []
+    ends: dict[int, dict[int, list[_Cut]]] = {}
+    for candidate, place in zip(candidates, place_of):
+        partner, here, at = candidate.partner, candidate.stretch, list(cuts[place])
         if partner is not None:
             if partner.index not in ends:
                 ends[partner.index] = _ends_of(topology, partner)
-            for carrier, value, point in ends[partner.index]:
-                if carrier == here.carrier:
-                    _cut(topology, here, point, value, cuts[number])
-    parts = [(candidate, part) for candidate, at in zip(candidates, cuts) for part in _pieces(topology, candidate, at)]
+            for value, point in ends[partner.index].get(here.carrier, ()):
+                _cut(topology, here, point, value, at)
+        parts += [(candidate, part) for part in _pieces(topology, candidate, at)]
     if not parts:
         return
-    middles = np.array([_middle(topology, part) for _, part in parts])
+    middles = _middles(topology, [part for _, part in parts])
     is_held = grown.holds(wall, middles)
     by_partner: dict[int, list[int]] = {}
     for place, (candidate, _) in enumerate(parts):
         if candidate.partner is not None and is_held[place]:
             by_partner.setdefault(candidate.partner.index, []).append(place)
-    for places in by_partner.values():
-        other_wall = parts[places[0]][0].partner
+    for rows in by_partner.values():
+        other_wall = parts[rows[0]][0].partner
         assert other_wall is not None
-        is_held[places] = grown.holds(other_wall, middles[places])
+        is_held[rows] = grown.holds(other_wall, middles[rows])
     for (_, part), is_kept in zip(parts, is_held.tolist()):
         if is_kept:
             _lay(topology, wall.index, part, IMPRINT)
 
 
-_Place = tuple[int, float, Array]
-"""Carrier, the parameter there, and the point (3,)."""
+_Cut = tuple[float, Array]
+"""The parameter of a cut, and the point (3,)."""
 
 
-def _ends_of(topology: Topology, wall: Wall) -> list[_Place]:
-    """Where the stretches of a wall's outline begin and end."""
-    found: list[_Place] = []
+def _cuts(topology: Topology, wall: Wall, drawn: list[Stretch]) -> list[list[_Cut]]:
+    """Where each stretch drawn in a wall crosses others and the outline; all are cut there."""
+    stretches = [*drawn, *wall.outline]
+    ends = [None if one.whole else (one.first.tolist(), one.last.tolist()) for one in stretches]
+    cuts: list[list[_Cut]] = [[] for _ in drawn]
+    meeting = _MeetingPoints(topology, wall.sheet)
+    reach = COMMON_END * topology.tolerance
+    for number, other, near in _meetings(topology, wall.sheet, stretches, len(drawn)):
+        here, there = stretches[number], stretches[other]
+        met = meeting.of(here.carrier, there.carrier, near)
+        if not _is_common_end(ends[number], ends[other], met.at, reach):
+            _cut(topology, here, met.point, met.values[0], cuts[number])
+            _cut(topology, there, met.point, met.values[1], cuts[other] if other < len(drawn) else None)
+    return cuts
+
+
+def _ends_of(topology: Topology, wall: Wall) -> dict[int, list[_Cut]]:
+    """By carrier, where the stretches of a wall's outline begin and end."""
+    found: dict[int, list[_Cut]] = {}
     for stretch in wall.outline:
         if not stretch.whole:
             points = np.array([stretch.first, stretch.last])
             values = topology.carrier(stretch.carrier).parameters(points).tolist()
-            found += [(stretch.carrier, value, point) for value, point in zip(values, points)]
+            found.setdefault(stretch.carrier, []).extend(zip(values, points))
     return found
 
 
-def _middle(topology: Topology, stretch: Stretch) -> Array:
-    middle: Array = topology.carrier(stretch.carrier).at(np.array([0.5 * (stretch.start + stretch.end)]))[0]
-    return middle
+def _middles(topology: Topology, stretches: Sequence[Stretch]) -> Array:
+    """Points (n, 3) amid the stretches."""
+    found = np.empty((len(stretches), 3))
+    by_carrier: dict[int, list[int]] = {}
+    for place, stretch in enumerate(stretches):
+        by_carrier.setdefault(stretch.carrier, []).append(place)
+    for carrier, places in by_carrier.items():
+        middles = np.array([0.5 * (stretches[place].start + stretches[place].end) for place in places])
+        found[places] = topology.carrier(carrier).at(middles)
+    return found
 
 
 def _line_of(topology: Topology, sheet: Sheet, stretch: Stretch) -> shapely.Geometry:
@@ -207,25 +238,68 @@ def _meetings(
     topology: Topology, sheet: Sheet, stretches: Sequence[Stretch], n_drawn: int
 ) -> Iterator[tuple[int, int, Array]]:
     """Where each of the first n_drawn stretches meets a later one of another carrier: both, and a point (3,) near."""
-    held = np.array([_line_of(topology, sheet, stretch) for stretch in stretches], dtype=object)
+    held, ends = _lines_of(topology, sheet, stretches)
     asked, found = shapely.STRtree(held).query(held[:n_drawn])
     carrier = np.array([stretch.carrier for stretch in stretches])
     wanted = (found > asked) & (carrier[asked] != carrier[found])
     asked, found = asked[wanted], found[wanted]
     order = np.lexsort((found, asked))
     asked, found = asked[order], found[order]
-    common, pair = shapely.get_parts(shapely.intersection(held[asked], held[found]), return_index=True)
+    is_straight = np.isfinite(ends[:, 0, 0])
+    both = is_straight[asked] & is_straight[found]
+    (straight,), (bent,) = np.nonzero(both), np.nonzero(~both)
+    points, meet = _straight_meetings(ends[asked[straight]], ends[found[straight]])
+    common, pair = shapely.get_parts(shapely.intersection(held[asked[bent]], held[found[bent]]), return_index=True)
     is_point = (shapely.get_type_id(common) == shapely.GeometryType.POINT) & ~shapely.is_empty(common)
-    common, pair = common[is_point], pair[is_point]
-    near = sheet.lift(shapely.get_coordinates(common))
-    yield from zip(asked[pair].tolist(), found[pair].tolist(), near)
+    pair = np.concatenate([straight[meet], bent[pair[is_point]]])
+    near = sheet.lift(np.concatenate([points[meet], shapely.get_coordinates(common[is_point])]))
+    order = np.argsort(pair, kind="stable")
+    pair = pair[order]
+    yield from zip(asked[pair].tolist(), found[pair].tolist(), near[order])
+
+
+def _lines_of(topology: Topology, sheet: Sheet, stretches: Sequence[Stretch]) -> tuple[NDArray[np.object_], Array]:
+    """The stretches as lines in a sheet's frame, and the ends (n, 2, 2) of those that are straight there, else nan."""
+    ends = np.full((len(stretches), 2, 2), np.nan)
+    is_straight = np.zeros(len(stretches), dtype=bool)
+    if isinstance(sheet, PlaneSheet):
+        is_straight[:] = [isinstance(topology.carrier(stretch.carrier), Line) for stretch in stretches]
+    rows = np.flatnonzero(is_straight)
+    if len(rows):
+        points = np.array([(stretches[row].first, stretches[row].last) for row in rows.tolist()])
+        flat = sheet.flat(points.reshape(-1, 3)).reshape(-1, 2, 2)
+        along = flat[:, 1] - flat[:, 0]
+        hair = 3 * topology.tolerance
+        along *= (hair / np.maximum(np.hypot(along[:, 0], along[:, 1]), hair))[:, None]
+        ends[rows] = flat + np.stack([-along, along], axis=1)
+    held = np.empty(len(stretches), dtype=object)
+    held[rows] = shapely.linestrings(ends[rows])
+    for row in np.flatnonzero(~is_straight).tolist():
+        held[row] = _line_of(topology, sheet, stretches[row])
+    return held, ends
+
+
+def _straight_meetings(one: Array, other: Array) -> tuple[Array, NDArray[np.bool_]]:
+    """Common points (n, 2) of the lines through pairs of segments (n, 2, 2), and whether they lie within both."""
+    along, across, apart = one[:, 1] - one[:, 0], other[:, 1] - other[:, 0], other[:, 0] - one[:, 0]
+
+    def turned(a: Array, b: Array) -> Array:
+        return a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]
+
+    span = turned(along, across)
+    is_across = span != 0.0
+    span = np.where(is_across, span, 1.0)
+    share, its_share = turned(apart, across) / span, turned(apart, along) / span
+    within = is_across & (share >= 0.0) & (share <= 1.0) & (its_share >= 0.0) & (its_share <= 1.0)
+    return one[:, 0] + share[:, None] * along, within
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Meeting:
-    """A common point (3,) of two carriers, and its parameter on each."""
+    """A common point (3,) of two carriers, as plain numbers too, and its parameter on each."""
 
     point: Array
+    at: list[float]
     values: tuple[float, float]
 
 
@@ -244,7 +318,7 @@ class _MeetingPoints:
         carriers = self._topology.carrier(one), self._topology.carrier(other)
         point = meeting_point(self._sheet, carriers[0], carriers[1], near)
         values = [float(carrier.parameters(point[None])[0]) for carrier in carriers]
-        met = _Meeting(point, (values[0], values[1]))
+        met = _Meeting(point, point.tolist(), (values[0], values[1]))
         if _cross_once(*carriers):
             self._known[one, other] = met
         return met
@@ -257,16 +331,18 @@ def _cross_once(one: Carrier, other: Carrier) -> bool:
     return bool(np.linalg.norm(cross(one.direction, other.direction)) > LINES_CROSS)
 
 
-def _is_common_end(topology: Topology, one: Stretch, other: Stretch, point: Array) -> bool:
-    """Whether the point is where both end: a cut there already, and found only roughly where they are tangent."""
-    if one.whole or other.whole:
+_Ends = tuple[list[float], list[float]]
+
+
+def _is_common_end(one: _Ends | None, other: _Ends | None, at: list[float], reach: float) -> bool:
+    """Whether the point is where both end: a cut there already, and found only roughly where they are tangent.
+
+    one, other: the ends of two stretches, None of one that goes all round.
+    """
+    if one is None or other is None:
         return False
-    reach = COMMON_END * topology.tolerance
-    at = point.tolist()
-    ends = [end for end in (one.first.tolist(), one.last.tolist()) if math.dist(at, end) <= reach]
-    return bool(ends) and any(
-        math.dist(end, own) <= reach for end in ends for own in (other.first.tolist(), other.last.tolist())
-    )
+    ends = [end for end in one if math.dist(at, end) <= reach]
+    return bool(ends) and any(math.dist(end, own) <= reach for end in ends for own in other)
 
 
 def _cut(

@@ -26,21 +26,23 @@ LONG = 100.0
 """Length to which rays are followed, in thicknesses."""
 
 
-def star_excess(angles: Array, thicknesses: Array) -> Array | None:
-    """Excess of area (n,) of n stars; None where two rays of one are too near. angles: (ray, n) radians.
+def star_excess(angles: Array, thicknesses: Array) -> Array:
+    """Excess of area (n,) of n stars; nan where two rays of one are too near.
 
-    By sector [(t^2 + t'^2) cos a + 2 t t'] / (8 sin a).
+    angles: (ray, n) radians; thicknesses: (ray, n), or (ray, 1) where all stars have the same. By sector
+    [(t^2 + t'^2) cos a + 2 t t'] / (8 sin a).
     """
-    order = np.argsort(angles[:, 0])
-    turned, ordered = angles[order], thicknesses[order]
+    order = np.argsort(angles, axis=0)
+    turned = np.take_along_axis(angles, order, axis=0)
+    first = np.take_along_axis(np.broadcast_to(thicknesses, angles.shape), order, axis=0)
+    second = np.roll(first, -1, axis=0)
     openings = np.diff(np.vstack([turned, turned[:1] + 2 * np.pi]), axis=0)
-    first, second = ordered[:, None], np.roll(ordered, -1)[:, None]
     is_level = (np.abs(openings - np.pi) < LEVEL) & (first == second)
     sine = np.where(is_level, 1.0, np.sin(openings))
-    if np.abs(sine).min() < LEAST_SINE:
-        return None
+    sine[:, np.abs(sine).min(axis=0) < LEAST_SINE] = np.nan
     sectors = ((first**2 + second**2) * np.cos(openings) + 2 * first * second) / (8 * sine)
-    return np.asarray(np.where(is_level, 0.0, sectors).sum(axis=0))
+    excess = np.where(is_level, 0.0, sectors).sum(axis=0)
+    return np.asarray(np.where(np.isnan(sine).any(axis=0), np.nan, excess))
 
 
 def star_moment(rays: Array, thicknesses: Array) -> Array:

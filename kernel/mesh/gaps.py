@@ -45,12 +45,6 @@ class SampledCurve:
     is_boundary: bool
     size: float
 
-    @property
-    def along(self) -> NDArray[np.float64]:
-        """Arc length of each sample from the first."""
-        steps = np.hypot(*np.diff(self.points, axis=0).T)
-        return np.concatenate([[0.0], np.cumsum(steps)])
-
 
 def gap_sizes(
     curves: Sequence[SampledCurve],
@@ -65,15 +59,19 @@ def gap_sizes(
     the size asked for under which no gap makes it fall.
     """
     points = np.concatenate([curve.points for curve in curves])
-    along = np.concatenate([curve.along for curve in curves])
     counts = np.array([len(curve.points) for curve in curves])
+    ends = np.cumsum(counts)
+    steps = np.hypot(*np.diff(points, axis=0).T)
+    along = np.zeros(len(points))
+    for end, count in zip(ends.tolist(), counts.tolist()):
+        np.cumsum(steps[end - count : end - 1], out=along[end - count + 1 : end])
     curve_of = np.repeat(np.arange(len(curves), dtype=np.int32), counts)
     is_inner = np.diff(curve_of) == 0
     start = np.flatnonzero(is_inner).astype(np.int32)
     names = {name: i for i, name in enumerate(sorted({v for c in curves for v in (c.first, c.last)}))}
     first = np.array([names[curve.first] for curve in curves], np.int32)
     last = np.array([names[curve.last] for curve in curves], np.int32)
-    length = np.array([curve.along[-1] for curve in curves])
+    length = along[ends - 1]
     is_boundary = np.array([curve.is_boundary for curve in curves], np.uint8)
     size = np.repeat(np.array([curve.size for curve in curves], np.float64), counts)
     reach = float(size.max()) / per_gap
@@ -93,7 +91,7 @@ def gap_sizes(
     sizes = np.minimum(size, np.maximum(per_gap * gap, least * size))
     grade_across(points, sizes, float(size.max()) / PER_GAP / 4, growth)
     grade_along(sizes, along, curve_of, first, last, len(names), growth)
-    return np.split(sizes, np.cumsum(counts)[:-1])
+    return np.split(sizes, ends[:-1])
 
 
 def divide(

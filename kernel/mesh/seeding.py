@@ -236,8 +236,9 @@ def _graded_sizes(
         for place, found in zip(by_face[face], found_sizes):
             ordered = found if curves[place].uses[face].forward else found[::-1]
             is_line = not is_curved(topology.carrier(curves[place].carrier))
-            if is_line and rules.layers is None and np.median(found) < STRIP * wanted[place]:
-                ordered = np.maximum(ordered, STRIP * wanted[place])
+            strip = STRIP * wanted[place]
+            if is_line and rules.layers is None and found.min() < strip and np.median(found) < strip:
+                ordered = np.maximum(ordered, strip)
             np.minimum(sizes[place], ordered, out=sizes[place])
     if rules.spreads and curves:
         for place, curve in enumerate(curves):

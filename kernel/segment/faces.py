@@ -78,13 +78,16 @@ def faces_of(solid: Solid) -> Faces:
 def _sides(facets: Facets, surfaces: list) -> NDArray[np.int64]:
     """(m,) +1, -1, or 0 for triangles on a surface without an analytic form."""
     sides = np.zeros(len(facets.triangles), np.int64)
-    order = np.argsort(facets.surface, kind="stable")
-    ids, first = np.unique(facets.surface[order], return_index=True)
-    for index, own in zip(ids, np.split(order, first[1:])):
-        surface = surfaces[index]
-        if isinstance(surface, Plane):
-            along = facets.normals[own] @ surface.normal
-        elif isinstance(surface, CylinderSurface):
+    ids, place = np.unique(facets.surface, return_inverse=True)
+    held = [surfaces[index] for index in ids.tolist()]
+    is_flat = np.array([isinstance(surface, Plane) for surface in held], dtype=bool)
+    normals = np.array([surface.normal if isinstance(surface, Plane) else np.zeros(3) for surface in held])
+    flat = is_flat[place]
+    along = np.einsum("ij,ij->i", facets.normals, normals.reshape(-1, 3)[place])
+    sides[flat] = np.where(along[flat] > 0.0, 1, -1)
+    for number in np.flatnonzero(~is_flat).tolist():
+        surface, own = held[number], np.flatnonzero(place == number)
+        if isinstance(surface, CylinderSurface):
             arm = facets.centroids[own] - surface.axis.point
             along = np.einsum("ij,ij->i", arm, facets.normals[own])
         elif isinstance(surface, FacetedSurface):

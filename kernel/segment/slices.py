@@ -98,7 +98,9 @@ def smallest_rectangle(polygon: shapely.Geometry) -> tuple[float, float]:
 
 def parts_of(geometry: shapely.Geometry) -> list[Polygon]:
     """The polygons of positive area in any geometry."""
-    return [part for part in shapely.get_parts(geometry) if part.geom_type == "Polygon" and part.area > 0.0]
+    parts = shapely.get_parts(geometry)
+    is_wide = (shapely.get_type_id(parts) == shapely.GeometryType.POLYGON) & (shapely.area(parts) > 0.0)
+    return list(parts[is_wide])
 
 
 def outline_points(solid: Solid) -> NDArray[np.float64]:

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from kernel.csg.tree import frozen_array
 from kernel.pieces import connected_pieces
+from kernel.solid.surfaces import crosses
 from kernel.solid.table import SurfaceTable
 from kernel.solid.tracked import CUTTER
 
@@ -72,7 +73,7 @@ def facets_of(manifold: Manifold, table: SurfaceTable) -> Facets:
     for original, start, end in zip(mesh.run_original_id, run[:-1], run[1:]):
         source[start:end] = table.sources.get(int(original), CUTTER)
     a, b, c = (vertices[triangles[:, k]] for k in range(3))
-    cross = np.cross(b - a, c - a)
+    cross = crosses(b - a, c - a)
     double = np.linalg.norm(cross, axis=1)
     return Facets(
         frozen_array(vertices),

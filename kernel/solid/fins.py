@@ -13,6 +13,8 @@ and back. Seen in the plane, front and back cancel: the face is what its outline
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from manifold3d import Manifold, Mesh64, triangulate
 from numpy.typing import NDArray
@@ -20,7 +22,7 @@ from numpy.typing import NDArray
 from kernel.pieces import connected_pieces
 from kernel.solid.facets import Facets, edge_neighbours
 from kernel.solid.solid import Solid
-from kernel.solid.surfaces import Plane, PlaneFrame, plane_frame
+from kernel.solid.surfaces import Plane, PlaneFrame, Surface, plane_frame
 from kernel.solid.tracked import NotSolidError, check_status
 
 Indices = NDArray[np.int64]
@@ -84,13 +86,14 @@ def _folded(solid: Solid) -> list[tuple[Indices, PlaneFrame]]:
     """
     facets, table = solid.facets, solid.surfaces
     found = []
-    for number in np.unique(facets.surface).tolist():
-        surface = table.surfaces[number] if 0 <= number < len(table.surfaces) else None
-        own = np.flatnonzero(facets.surface == number)
+    numbers, place = np.unique(facets.surface, return_inverse=True)
+    surfaces = [table.surfaces[number] if 0 <= number < len(table.surfaces) else None for number in numbers.tolist()]
+    is_two_sided = _two_sided(facets, surfaces, place)
+    for rank, surface in enumerate(surfaces):
+        if isinstance(surface, Plane) and not is_two_sided[rank]:
+            continue
+        own = np.flatnonzero(place == rank)
         if isinstance(surface, Plane):
-            side = facets.normals[own] @ surface.normal
-            if not ((side > 0).any() and (side < 0).any()):
-                continue
             groups = _connected(facets.neighbours[own], own)
         elif surface is not None:
             groups = _level(facets, own)
@@ -105,6 +108,14 @@ def _folded(solid: Solid) -> list[tuple[Indices, PlaneFrame]]:
             if (side > 0).any() and (side < 0).any():
                 found.append((group, frame))
     return found
+
+
+def _two_sided(facets: Facets, surfaces: Sequence[Surface | None], place: Indices) -> list[bool]:
+    """Of each surface, whether it is a plane with triangles that look both ways. place: (m,) of each triangle's."""
+    normals = np.array([surface.normal if isinstance(surface, Plane) else np.zeros(3) for surface in surfaces])
+    side = np.einsum("ij,ij->i", facets.normals, normals.reshape(-1, 3)[place])
+    up, down = (np.bincount(place, each, len(surfaces)) > 0 for each in (side > 0, side < 0))
+    return [bool(each) for each in (up & down).tolist()]
 
 
 def _level(facets: Facets, own: Indices) -> list[Indices]:

@@ -201,6 +201,10 @@ def half_space_cut(solid: Solid, normal: Vector, offset: float) -> Solid:
     return cut_by(solid, -value.normal, -value.offset, plane)
 
 
+_SIDES = np.array([(1 if k & 1 else -1, 1 if k & 2 else -1, 0 if k & 4 else 1) for k in range(8)], dtype=np.float64)
+"""Of each corner of a half-space's block: the side along u and v, and whether it lies deep below the plane."""
+
+
 def cut_by(solid: Solid, normal: Vector, offset: float, face: int) -> Solid:
     """The part with normal . x >= offset (unit normal), its cut face given the id `face`."""
     if solid.is_empty:
@@ -217,14 +221,8 @@ def cut_by(solid: Solid, normal: Vector, offset: float, face: int) -> Solid:
     depth = (offset - (at - reach)) + span
     foot = centre - normal * (at - offset)
     axis = int(np.argmax(np.abs(normal)))
-    corners = np.array(
-        [
-            foot
-            + frame.u * (span if k & 1 else -span)
-            + frame.v * (span if k & 2 else -span)
-            - normal * (0.0 if k & 4 else depth)
-            for k in range(8)
-        ]
+    corners = (
+        foot + frame.u * (span * _SIDES[:, :1]) + frame.v * (span * _SIDES[:, 1:2]) - normal * (depth * _SIDES[:, 2:])
     )
     if abs(normal[axis]) == 1.0:
         corners[4:, axis] = offset * normal[axis]

@@ -22,6 +22,14 @@ def cross(a: Vector, b: Vector) -> Vector:
     return np.array([ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx])
 
 
+def crosses(a: Points, b: Points) -> Points:
+    """a x b of vectors (n, 3) and (n, 3): numpy's own takes three times as long on a few dozen."""
+    ax, ay, az, bx, by, bz = *a.T, *b.T
+    found = np.empty((len(a), 3))
+    found[:, 0], found[:, 1], found[:, 2] = ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx
+    return found
+
+
 class PlaneFrame(NamedTuple):
     """Two unit vectors in a plane and its unit normal, u x v = normal."""
 

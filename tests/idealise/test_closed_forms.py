@@ -17,7 +17,7 @@ ALL = [[1, 1], [1, 1]]
 
 
 def excess(degrees, thicknesses) -> float:
-    found = star_excess(np.radians(degrees)[:, None], np.array(thicknesses, float))
+    found = star_excess(np.radians(degrees)[:, None], np.array(thicknesses, float)[:, None])
     return float(found[0])
 
 
