@@ -26,12 +26,12 @@ def url(cluster, tmp_path_factory):
     ) as service:
         yield re.search(r"http://[\d.:]+", service.stderr.readline()).group()
         service.terminate()
-        service.communicate(timeout=60)
+        service.communicate(timeout=300)
 
 
 def ask(url, method="GET", data=None, content_type="application/json"):
     request = urllib.request.Request(url, data, {"Content-Type": content_type}, method=method)
-    with urllib.request.urlopen(request, timeout=60) as answer:
+    with urllib.request.urlopen(request, timeout=300) as answer:
         return answer.read()
 
 

@@ -54,7 +54,7 @@ def test_jobs_and_workers_are_counted_as_they_are(client):
     store = client.app.state.context.store
     model = store.add_model(name="a", ending=".csg", text="0" * 64, language="openscad", units="mm")
     job = store.add_job(model.id, "key", {"task": "nothing that is done"})
-    for _ in range(600):
+    for _ in range(6000):
         if store.job(job.id).state == "failed":
             break
         time.sleep(0.05)
