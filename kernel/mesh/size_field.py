@@ -107,7 +107,8 @@ def automatic_size(segments: Sequence[Segment], model_size: float) -> tuple[floa
     cylinder-plates, a tenth of the length for beams, the smallest extent for bricks) and no more than a fortieth of
     the model's size; but never so small that more than MOST_ELEMENTS elements are to be expected.
     """
-    width = float(np.median([_width(segment) for segment in segments]))
+    widths = [width for width in map(_width, segments) if width > 0.0]  # another owns all between a plate's faces
+    width = float(np.median(widths)) if widths else model_size
     size, because = min(
         (width / PER_WIDTH, f"1/{PER_WIDTH:g} of the segments' median width {width:.4g}"),
         (model_size / LEAST_PER_MODEL, f"1/{LEAST_PER_MODEL:g} of the model's size {model_size:.4g}"),

@@ -87,9 +87,9 @@ def _segments(
 
 
 def smallest_rectangle(polygon: shapely.Geometry) -> tuple[float, float]:
-    """Sides (long, short) of the smallest rectangle, turned any way, around a geometry."""
+    """Sides (long, short) of the smallest rectangle, turned any way, around a geometry; nought of one without area."""
     rectangle = polygon.minimum_rotated_rectangle
-    if rectangle.geom_type != "Polygon":
+    if rectangle.geom_type != "Polygon" or rectangle.is_empty:
         return 0.0, 0.0
     corners = np.array(rectangle.exterior.coords)[:3]
     sides = np.linalg.norm(np.diff(corners, axis=0), axis=1)

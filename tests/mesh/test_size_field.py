@@ -92,3 +92,13 @@ def test_a_size_of_a_hole_has_no_segment_to_be_the_size_of():
     drilled = "P = BLO(200, 100, 5)\nH = CYL(R=9, H=9) AT (MOVX=50, MOVY=50, MOVZ=-2)\nD = P DIF H\n"
     with pytest.raises(OptionError, match=r"size of 'H': node 1 has no segments of its own, expected .* \(D\)"):
         planned(drilled, sizes={"H": 2.0})
+
+
+SKIN = " UN BLO(300, 300, 15) AT (MOVZ=1)"
+OVERLAPPING = f"P = BLO(300, 300, 15){SKIN} UN BLO(40, 40, 800) AT (MOVX=130, MOVY=130, MOVZ=16)\n"
+"""The second plate has its faces 15 apart, but all of its material save a skin is the first one's."""
+
+
+def test_a_plate_of_which_another_owns_all_but_a_skin_has_no_say_in_the_size():
+    overlapping, alone = planned(OVERLAPPING), planned(OVERLAPPING.replace(SKIN, ""))
+    assert overlapping.by_segment["s1"] == pytest.approx(alone.by_segment["s1"], rel=0.05)
