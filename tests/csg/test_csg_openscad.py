@@ -473,3 +473,10 @@ def test_deep_groups_are_read_and_deep_booleans_refused():
 def test_ten_thousand_leaves_are_one_union():
     leaf = f"\t{SHIFT} {{\n\t\t{CYLINDER}\n\t}}\n"
     assert len(root("union() {\n" + leaf * 10_000 + "}\n").children) == 10_000
+
+
+@pytest.mark.parametrize("size", ["[1,\u2028 2, 3]", "[1, 2,\u00a03]", "[1, 2, \u0663]", "[1,\f2, 3]"])
+def test_blanks_and_digits_that_json_does_not_know_are_read_too(size):
+    assert root(f"cube(size = {size}, center = false);").size == (1.0, 2.0, 3.0)
+    matrix = "[[1, 0, 0, 5], [0, 1, 0, 6], [0, 0, 1, 7], [0, 0,\u2003 0, 1]]"
+    assert root(f"multmatrix({matrix}) {{ {CUBE} }}").placement[:3, 3].tolist() == [5.0, 6.0, 7.0]
