@@ -42,6 +42,9 @@ CRUMB_SIZE = 30.0
 CRUMB_LIMIT = 5e-3
 """No crumb is larger than this share of the whole."""
 
+CRUMB_REACH = 5.0
+"""Nor does it stand off its wall by more than this many thicknesses of the thickest: a fillet does not, a rod does."""
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class WallDecomposition:
@@ -298,11 +301,22 @@ def _give_crumbs(parts: list[WallPart], remainder: list[Solid], volume: float) -
             kept.append(piece)
             continue
         host = most_shared([part.solid for part in parts], piece)
-        if host is None:
+        if host is None or _stands_off(parts[host].wall, piece) > CRUMB_REACH * thickest:
             kept.append(piece)
         else:
             parts[host] = replace(parts[host], solid=unite([parts[host].solid, piece]))
     return parts, kept
+
+
+def _stands_off(wall: Wall, piece: Solid) -> float:
+    """How far the piece reaches from the wall's nearer face."""
+    points = piece.facets.vertices
+    if isinstance(wall, PlaneWall):
+        offsets = points @ wall.normal
+        return max(float(offsets.max()) - wall.top, wall.bottom - float(offsets.min()))
+    arms = points - wall.axis.point
+    radii = np.linalg.norm(np.cross(arms, wall.axis.direction), axis=1)
+    return max(float(radii.max()) - wall.outer_radius, wall.inner_radius - float(radii.min()))
 
 
 def most_shared(solids: list[Solid], piece: Solid) -> int | None:

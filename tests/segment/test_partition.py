@@ -218,3 +218,14 @@ def test_a_tube_that_its_neighbours_make_short_is_walls_however_the_unions_nest(
     rail = "((BLO(240,60,60) DIF BLO(242,52,52) AT(MOVX=-1, MOVY=4, MOVZ=4)) AT(MOVX=60, MOVZ=400))"
     for text in (nested([posts[0], rail, posts[1]]), f"P = {posts[0]} UN {rail} UN {posts[1]}\n"):
         assert {segment.type for segment in segmented(text, decide=load_rule_base().decide).segments} == {"plate"}
+
+
+def test_thin_rods_through_bars_are_beams_and_no_crumbs_of_the_bars():
+    bars = " UN ".join(f"BLO(562,10,57) AT(MOVY={103 * k})" for k in range(4))
+    rods = " UN ".join(f"CYL(4,319) AT(ROTX=-90, MOVX={x}, MOVZ=28.5)" for x in (50, 281, 512))
+    found = segmented(f"P = {bars} UN {rods}\n", decide=load_rule_base().decide)
+    plates = [segment for segment in found.segments if segment.type == "plate"]
+    beams = [segment for segment in found.segments if segment.type == "beam"]
+    assert (len(found.segments), len(plates), len(beams)) == (13, 4, 9)
+    assert [segment.volume for segment in plates] == pytest.approx([562 * 10 * 57] * 4)
+    assert [segment.length for segment in beams] == pytest.approx([93] * 9)
