@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from kernel.connect.equations import rows
+from kernel.connect.equations import Expression, Freedom, rows
 from kernel.deck.deck import DeckFormat, register
 from kernel.deck.header import header_lines
 from kernel.deck.keywords import (
@@ -53,6 +53,9 @@ KNOT_LENGTH = 1e-3
 WORTH_A_NOTE = 0.01
 """A beam that ccx makes stiffer than this is named in the deck's head."""
 
+MANY_KNOTS = 0.5
+"""A beam with more than this share of its nodes knots, and with more than two of them, is named as well."""
+
 
 def write(model: Model) -> bytes:
     """The deck, complete but for supports, loads and steps; DeckError for a beam section that ccx does not know."""
@@ -88,7 +91,9 @@ def _deck(model: Model) -> list[str]:
         lines += comment_lines(
             ["note: ccx makes wedges of triangles (S3), too stiff in bending: quads or order 2 are better"]
         )
-    lines += comment_lines(list(_notes_on_beams(model, parts)))
+    equations = [row for coupling in model.couplings for row in rows(coupling, model.mesh.nodes)]
+    knots = _turning(equations)
+    lines += comment_lines([*_notes_on_beams(model, parts), *_notes_on_knots(parts, knots)])
     lines += ["*NODE, NSET=NALL", *node_lines(model.mesh.nodes)]
     n_node = model.mesh.n_node
     for part in parts:
@@ -110,7 +115,7 @@ def _deck(model: Model) -> list[str]:
     names = material_names(model)
     for part in parts:
         lines += _section(part, names[(part.element.material, part.element.density_factor)])
-    lines += _couplings(model, n_node)
+    lines += _couplings(model, equations, knots, n_node)
     return lines
 
 
@@ -137,6 +142,23 @@ def _notes_on_beams(model: Model, parts: Sequence[Group]) -> Iterator[str]:
             yield (
                 f"note: ccx shears beams over their whole area, which alone makes {part.element.segment} {stiffer:.1%} "
                 "too stiff as a cantilever: plates or bricks are better"
+            )
+
+
+def _notes_on_knots(parts: Sequence[Group], knots: Sequence[int]) -> Iterator[str]:
+    """A line for each beam most of whose nodes are knots, as where it lies along a plate.
+
+    A knot keeps its section from contracting: the beam is as stiff there as one that is held on all sides.
+    """
+    for part in parts:
+        if part.element.section is None:
+            continue
+        nodes = np.unique(part.block.connectivity[part.rows, :2])
+        held = np.isin(nodes, knots).sum()
+        if held > max(2, MANY_KNOTS * len(nodes)):
+            yield (
+                f"note: {held} of the {len(nodes)} nodes of {part.element.segment} are knots: it is tied all along. "
+                "ccx makes such beams too stiff, more so with smaller elements: plates or bricks are better"
             )
 
 
@@ -183,13 +205,16 @@ def _section_data(part: Group) -> tuple[str, list[float], Array]:
     return "BOX", [size["width"], size["height"], web, flange, web, flange], direction
 
 
-def _couplings(model: Model, n_node: int) -> Iterator[str]:
+def _turning(equations: Sequence[tuple[Freedom, Expression]]) -> list[int]:
+    """Nodes whose rotations stand in equations, sorted: they need to be knots."""
+    turning = {node for (node, component), _ in equations if component > 3}
+    return sorted(turning | {node for _, row in equations for (node, component) in row if component > 3})
+
+
+def _couplings(
+    model: Model, equations: Sequence[tuple[Freedom, Expression]], turning: Sequence[int], n_node: int
+) -> Iterator[str]:
     """Knots first, then one equation for each dependent freedom."""
-    equations = [row for coupling in model.couplings for row in rows(coupling, model.mesh.nodes)]
-    turning = sorted(
-        {node for (node, component), _ in equations if component > 3}
-        | {node for _, row in equations for (node, component) in row if component > 3}
-    )
     if turning:
         yield from _knots(model, turning, n_node)
     for (node, component), row in equations:

@@ -7,13 +7,25 @@ from dataclasses import replace
 import meshio
 import numpy as np
 import pytest
-from handmade import cantilever, channel_outline, shell_cantilever, solid_cantilever, whole_set
+from handmade import (
+    beam_property,
+    cantilever,
+    channel_outline,
+    grid,
+    line_block,
+    model_of,
+    shell_cantilever,
+    solid_cantilever,
+    whole_set,
+)
 from joined import block_on_plate, lap_of_plates, post_on_plate
 from shapely import box
 
+from kernel.connect.model import Property, Rbe2
 from kernel.deck import abaqus, sapiv
 from kernel.deck.deck import format_for
 from kernel.errors import DeckError
+from kernel.mesh.mesh import ElementBlock
 
 
 @pytest.mark.parametrize("name", ["abaqus", "calculix"])
@@ -109,6 +121,22 @@ def test_segments_whose_names_clean_to_the_same_keep_their_own_sections(name):
     assert re.findall(r"\*ELEMENT, TYPE=S4, ELSET=(\w+)\n(\d+),", text) == [
         ("TOP_1_QUAD4", "1"), ("TOP_1_QUAD4_2", "2"),
     ]  # fmt: skip
+
+
+def test_calculix_names_a_beam_that_is_tied_all_along():
+    nodes, cells = grid((0, 0, 0), (300, 0, 0), (0, 100, 0), 12, 4)
+    n = len(nodes)
+    rail = np.column_stack([np.linspace(0, 300, 13), np.full(13, 50.0), np.full(13, 20.0)])
+    blocks = [ElementBlock("s1", "quad4", cells), line_block("s2", range(n, n + 13), (0, 1, 0))]
+    properties = [Property("s1", "shell", "steel", thickness=10.0), beam_property("s2", box(0, 0, 20, 30))]
+    arms = [
+        Rbe2(int(np.flatnonzero((nodes == [x, 50, 0]).all(axis=1))[0]), np.array([n + k]))
+        for k, x in enumerate(rail[:, 0])
+    ]
+    tied = model_of(np.vstack([nodes, rail]), blocks, properties, arms)
+    assert "13 of the 13 nodes of s2 are knots" in format_for("m.inp").write(tied).decode()
+    at_one_end = replace(tied, couplings=tuple(arms[:1]))
+    assert "are knots" not in format_for("m.inp").write(at_one_end).decode()
 
 
 def test_lines_of_abaqus_end_before_its_limit():
