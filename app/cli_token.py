@@ -13,7 +13,8 @@ from app import texts
 from app.cli_arguments import JsonOption
 
 if TYPE_CHECKING:
-    from app.store import Store, TokenRow
+    from app.store import Store
+    from app.tables import TokenRow
 
 app = typer.Typer(name="token", help="Tokens that open the service.", rich_markup_mode=None)
 

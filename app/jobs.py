@@ -16,7 +16,8 @@ from sqlalchemy.exc import SQLAlchemyError
 
 from app.artifacts import Artifacts
 from app.failure import failure
-from app.store import JobRow, Outcome, Store
+from app.store import Outcome, Store
+from app.tables import JobRow
 from app.work import Payload
 from app.workers import Worker
 from kernel.errors import CsgmeshError, DefectError

@@ -10,7 +10,8 @@ import datetime
 import hashlib
 import secrets
 
-from app.store import Store, TokenRow, now
+from app.store import Store, now
+from app.tables import TokenRow
 from kernel.errors import OptionError
 
 PREFIX = "csgmesh_"

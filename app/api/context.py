@@ -14,7 +14,8 @@ from app.artifacts import Artifacts
 from app.jobs import Jobs
 from app.settings import Settings
 from app.sources import sources_hash
-from app.store import JobRow, MeshRow, ModelRow, RuleBaseRow, Store
+from app.store import Store
+from app.tables import JobRow, MeshRow, ModelRow, RuleBaseRow
 
 REMEMBERED = 512
 """Answers of short tasks that are kept in memory, by the hash of their question."""

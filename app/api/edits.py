@@ -13,7 +13,7 @@ from app.api.meshing import QUEUED, JobResource, job_resource
 from app.api.problems import problem_responses
 from app.editing import MOST_EDITS, Edit, MergeEdit, refuse_too_much
 from app.schemas import Schema
-from app.store import MeshRow
+from app.tables import MeshRow
 
 router = APIRouter(prefix="/v1", tags=["meshes"])
 

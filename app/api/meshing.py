@@ -17,7 +17,7 @@ from app.api.problems import documented, problem_responses
 from app.failure import problem
 from app.meshoptions import asked, split_joints
 from app.schemas import MeshAnswer, Problem, Schema
-from app.store import FINISHED, JobRow, ModelRow
+from app.tables import FINISHED, JobRow, ModelRow
 from kernel.deck.deck import format_for, formats
 from kernel.units import unit_set
 

@@ -11,7 +11,7 @@ from starlette.datastructures import UploadFile
 from app.api.context import Context, Ctx
 from app.api.problems import documented, problem_responses
 from app.schemas import Schema
-from app.store import ModelRow
+from app.tables import ModelRow
 from kernel.errors import ReadError
 
 router = APIRouter(prefix="/v1/models", tags=["models"])

@@ -11,7 +11,7 @@ from pydantic import Field
 from app.api.context import OWN_RULES, Context, Ctx
 from app.api.problems import documented, problem_responses
 from app.schemas import Schema
-from app.store import RuleBaseRow
+from app.tables import RuleBaseRow
 
 router = APIRouter(prefix="/v1/rulebases", tags=["rule bases"])
 

@@ -11,7 +11,7 @@ from pydantic import Field, FiniteFloat
 from app.api.context import Context, Ctx
 from app.api.problems import documented, problem_responses
 from app.schemas import Classification, Schema
-from app.store import ModelRow, OverrideRow
+from app.tables import ModelRow, OverrideRow
 from kernel.errors import AmbiguousNameError, OverrideError
 
 router = APIRouter(prefix="/v1/models/{model_id}", tags=["segments"])

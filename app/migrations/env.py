@@ -2,7 +2,7 @@
 
 from alembic import context
 
-from app.store import Table
+from app.tables import Table
 
 context.configure(
     connection=context.config.attributes["connection"],

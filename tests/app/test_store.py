@@ -11,7 +11,8 @@ from sqlalchemy.orm import Session
 
 from app.artifacts import Artifacts
 from app.migrations import newest
-from app.store import SCHEMA, JobRow, ModelRow, Outcome, Store, Table
+from app.store import SCHEMA, Outcome, Store
+from app.tables import JobRow, ModelRow, Table
 from kernel.errors import DefectError, OptionError
 
 
