@@ -1,6 +1,6 @@
 """The database's schema, step by step: every database is brought to the newest step as it is opened.
 
-A new step: a file in versions/ (see there), and HEAD below is its name. Tables are declared in app/store.py; a test
+A new step: a file in versions/ (see there), and HEAD below is its name. Tables are declared in app/tables.py; a test
 holds the two against each other.
 """
 
