@@ -93,10 +93,15 @@ def _is_inside_and_free(
 
 
 @compiled
-def _is_taken(x, y, reach, nodes, head, successor, x0, y0, side, n_x):
-    """True where a node lies within `reach` of (x, y), well inside the grid: most candidates are refused by this."""
-    for j in range(int((y - reach - y0) / side), int((y + reach - y0) / side) + 1):
-        for i in range(int((x - reach - x0) / side), int((x + reach - x0) / side) + 1):
+def _is_taken(x, y, reach, nodes, head, successor, x0, y0, side, n_x, n_y):
+    """True where a node lies within `reach` of (x, y), inside the grid: most candidates are refused by this.
+
+    Beside edges much longer than the size, `reach` goes past the grid's border.
+    """
+    j1 = min(n_y - 1, int((y + reach - y0) / side))
+    i1 = min(n_x - 1, int((x + reach - x0) / side))
+    for j in range(max(0, int((y - reach - y0) / side)), j1 + 1):
+        for i in range(max(0, int((x - reach - x0) / side)), i1 + 1):
             m = head[j * n_x + i]
             while m >= 0:
                 if (nodes[m, 0] - x) ** 2 + (nodes[m, 1] - y) ** 2 < reach * reach:
@@ -220,7 +225,7 @@ def grow_front(points, start, end, kind, order, size, dominant_cos, dominant_sin
             along_x, along_y = -along_y, along_x
             if x < x0 + size or y < y0 + size or x >= x0 + (n_x - 1) * size or y >= y0 + (n_y - 1) * size:
                 continue
-            if _is_taken(x, y, _TAKEN * step, nodes, head, successor, x0, y0, side, bin_x):
+            if _is_taken(x, y, _TAKEN * step, nodes, head, successor, x0, y0, side, bin_x, bin_y):
                 continue
             if p >= n_point:  # half way the field may have turned: take the arm from there
                 middle = cross_angle(0.5 * (px + x), 0.5 * (py + y), field_cos, field_sin, size, x0, y0, n_x, n_y)
