@@ -9,6 +9,8 @@
    that follow the average's own are left out; where they are most of the patch, they hold the joint, and the average
    says nothing more.
 4. An interpolation from hosts of which one is in the node's own body says nothing more, and is left out.
+5. Interpolations that rest on one another in a ring (three plates round one corner, each in lap with the next) leave
+   nothing free to follow: their nodes become one rigid body, with a note.
 """
 
 from __future__ import annotations
@@ -140,12 +142,12 @@ class Arrangement:
         self._interpolations = list(first.values())
 
     def _pass(self) -> bool:
-        """One round of rules 2 to 4; True where it changed a body, so that all must be looked at again."""
+        """One round of rules 2 to 5; True where it changed a body, so that all must be looked at again."""
         find = self._joined.find
         self._interpolations = [
             item for item in self._interpolations if find(item.node) not in {find(host) for host in item.hosts.tolist()}
         ]
-        return self._join_anchors() or self._thin_patches()
+        return self._join_anchors() or self._join_rings() or self._thin_patches()
 
     def _anchors(self) -> list[Average | Interpolation]:
         return [*self._averages, *self._interpolations]
@@ -167,6 +169,21 @@ class Arrangement:
         self._averages = [anchor for anchor in self._averages if id(anchor) not in rigid]
         self._interpolations = [anchor for anchor in self._interpolations if id(anchor) not in rigid]
         return bool(rigid)
+
+    def _join_rings(self) -> bool:
+        """Rule 5. A solid's nodes cannot carry others rigidly: such rings are refused with the equations."""
+        find = self._joined.find
+        able = [item for item in self._interpolations if self.has_rotations[item.node]]
+        rests = {find(item.node): {find(host) for host in item.hosts.tolist()} for item in able}
+        in_ring = _going_round(rests)
+        ring = [item for item in able if find(item.node) in in_ring]
+        for place in dict.fromkeys(joint_of(item.tie) for item in ring):
+            self.notes.append(f"{place}: rigid where its nodes rest on one another in a ring")
+        for item in ring:
+            self._join(item)
+        gone = {id(item) for item in ring}
+        self._interpolations = [item for item in self._interpolations if id(item) not in gone]
+        return bool(ring)
 
     def _thin_patches(self) -> bool:
         leads = self._leads()
@@ -260,6 +277,17 @@ def _reaches(leads: dict[int, set[int]], start: int, end: int) -> bool:
         seen |= fresh
         open_ones += fresh
     return False
+
+
+def _going_round(rests: dict[int, set[int]]) -> set[int]:
+    """Those of the bodies that lie in rings, or between two, where each rests on the bodies listed with it."""
+    left = {body: {other for other in others if other in rests} for body, others in rests.items()}
+    while True:
+        rested_on = set().union(*left.values())
+        loose = {body for body, others in left.items() if not others or body not in rested_on}
+        if not loose:
+            return set(left)
+        left = {body: others - loose for body, others in left.items() if body not in loose}
 
 
 def defines_rotation(points: Array, weights: Array) -> bool:

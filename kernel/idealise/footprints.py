@@ -131,6 +131,8 @@ def seats(parts: Parts) -> tuple[list[Candidate], dict[str, list[Seat]]]:
             if name in parts.beams and other in parts.walls:
                 beam, wall = parts.beams[name], parts.walls[other]
                 edge = not is_on_face(wall, joint)
+                if edge and not edge_carriers(parts, wall, joint):
+                    continue  # the wall was cut back there: the beam's nodes follow its elements instead
                 carrier, start, end = (
                     _edge_seat(parts, beam, wall, joint) if edge else _axis_seat(parts, beam, wall, joint)
                 )
@@ -172,13 +174,7 @@ def _axis_seat(parts: Parts, beam: Beam, wall: Wall, joint: Joint) -> tuple[int,
 def _edge_seat(parts: Parts, beam: Beam, wall: Wall, joint: Joint) -> tuple[int, float, float]:
     """The carrier of the wall's edge that a beam runs along."""
     start, end = _patch_range(parts, beam, joint)
-    carriers = edge_carriers(parts, wall, joint)
-    if not carriers:
-        raise ConnectError(
-            f"{beam.segment.id} lies along an edge of {wall.segment.id} ({joint.id}) that is no part of the "
-            "mid-surface's outline any more"
-        )
-    return carriers[0], start, end
+    return edge_carriers(parts, wall, joint)[0], start, end
 
 
 def edge_carriers(parts: Parts, wall: Wall, joint: Joint) -> list[int]:

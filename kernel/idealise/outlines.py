@@ -15,7 +15,6 @@ import shapely
 from numpy.typing import NDArray
 from shapely import MultiPolygon, Polygon
 
-from kernel.errors import ConnectError
 from kernel.idealise.carriers import Carrier, Circle, Line, Traced, distance_to
 from kernel.idealise.implicit import project
 from kernel.idealise.intersections import intersection
@@ -112,7 +111,9 @@ def trace_ring(
         guide = guides[position]
         if len(guide) == 2 and math.dist(first, last) <= topology.tolerance:
             continue
-        _refuse_parallel(topology, sheet, surfaces[labels[begin]], guide)
+        if _is_parallel(sheet, surfaces[labels[begin]]):
+            ring += _brought_straight(topology, first, last)
+            continue
         straight = isinstance(sheet, PlaneSheet)
         own = project(guide, (sheet.surface,)) if isinstance(surfaces[labels[begin]], FacetedSurface) else guide
         number = intersection(topology.carriers, surfaces, sheet.surface_id, int(labels[begin]), own, straight=straight)
@@ -120,14 +121,19 @@ def trace_ring(
     return ring
 
 
-def _refuse_parallel(topology: Topology, sheet: Sheet, surface: Surface, guide: Array) -> None:
-    """ConnectError where a face that is to bound a contact on the sheet is parallel to it: nothing tells where."""
-    if isinstance(sheet, PlaneSheet) and isinstance(surface, Plane):
-        if not np.abs(cross(sheet.normal, surface.normal)).max() > ANGLE_TOLERANCE:
-            raise ConnectError(
-                f"a contact near {topology.place_text(guide[0])} ends at a face parallel to the mid-surface that it is "
-                "brought onto, expected one that crosses it"
-            )
+def _is_parallel(sheet: Sheet, surface: Surface) -> bool:
+    """Whether a face that bounds a ring is a plane parallel to the sheet's: it does not say where on the sheet."""
+    if not isinstance(sheet, PlaneSheet) or not isinstance(surface, Plane):
+        return False
+    return not np.abs(cross(sheet.normal, surface.normal)).max() > ANGLE_TOLERANCE
+
+
+def _brought_straight(topology: Topology, first: Array, last: Array) -> list[Stretch]:
+    """The edge of a contact that ends at a face parallel to the sheet, brought onto it along its normal: a line."""
+    if math.dist(first, last) <= topology.tolerance:
+        return []
+    number = topology.carriers.line(first, last - first)
+    return [stretch_between(topology, number, first, last, 0.5 * (first + last)[None])]
 
 
 def _reach(points: Array, index: int) -> float:
@@ -138,7 +144,8 @@ def _reach(points: Array, index: int) -> float:
 
 def _corner(sheet: Sheet, met: tuple[Surface, Surface], point: Array, reach: float) -> Array:
     """Where the sheet and two trimming surfaces meet, near `point`; the point itself where they do not cross there."""
-    found = project(point[None], (sheet.surface, *met))[0]
+    crossing = [surface for surface in met if not _is_parallel(sheet, surface)]
+    found = project(point[None], (sheet.surface, *crossing))[0]
     if math.dist(found, point) > 2 * reach:
         return project(point[None], (sheet.surface,))[0]
     return found

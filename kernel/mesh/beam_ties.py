@@ -9,7 +9,6 @@ import shapely
 from numpy.typing import NDArray
 
 from kernel.connect.joints import Joint
-from kernel.errors import ConnectError
 from kernel.idealise.beam import Beam
 from kernel.idealise.footprints import footprint, is_on_face
 from kernel.idealise.outlines import even_odd, ring_points
@@ -17,7 +16,7 @@ from kernel.idealise.parts import Parts
 from kernel.idealise.walls import Wall, patch_points
 from kernel.mesh.assembly import Tie
 from kernel.mesh.faces import FaceMesh
-from kernel.mesh.meshed import Meshed, average, edge_nodes
+from kernel.mesh.meshed import Meshed, average, edge_nodes, interpolated
 from kernel.mesh.patches import corner_areas
 from kernel.solid.surfaces import CylinderSurface, Plane, Surface
 
@@ -149,9 +148,7 @@ def beam_on_wall(meshed: Meshed, joint: Joint, beam: Beam, wall: Wall) -> list[T
             for seat in meshed.seated.get(beam.segment.id, [])
             if seat.joint is joint
         ]
-        if not ties:
-            raise ConnectError(f"{joint.id}: {beam.segment.id} finds no node of {wall.segment.id} along its axis")
-        return ties
+        return ties or [_along_elements(meshed, joint, beam, wall)]
     node = beam.node_at(beam.offset_of(joint.middle))
     face = meshed.faces[wall.segment.id]
     if not is_on_face(wall, joint):
@@ -159,9 +156,23 @@ def beam_on_wall(meshed: Meshed, joint: Joint, beam: Beam, wall: Wall) -> list[T
     rings = footprint(meshed.parts.topology, wall.sheet, beam.segment, joint)
     outline = even_odd([ring_points(meshed.parts.topology, wall.sheet, ring) for ring in rings])
     nodes, areas = _areas_within(face, outline)
-    if not len(nodes):
-        raise ConnectError(f"{joint.id}: the end of {beam.segment.id} covers no element of {wall.segment.id}")
+    if not len(nodes):  # the wall was cut back from there
+        return [interpolated(meshed, joint, np.array([node]), wall, has_rotations=True)]
     return [Tie("beam_on_face", joint, np.array([node]), nodes, areas)]
+
+
+def _along_elements(meshed: Meshed, joint: Joint, beam: Beam, wall: Wall) -> Tie:
+    """The beam's nodes along the contact follow the wall's elements nearest to them.
+
+    So it is where the wall's mid-surface has no curve for the beam's nodes to stand opposite: it was cut back there, or
+    the beam touches it beside its axis.
+    """
+    start, end = _extent(meshed.parts, joint, beam)
+    slack = 4 * meshed.parts.topology.tolerance
+    nodes = beam.nodes[(beam.offsets >= start - slack) & (beam.offsets <= end + slack)]
+    if not len(nodes):
+        nodes = np.array([beam.node_at(0.5 * (start + end))])
+    return interpolated(meshed, joint, nodes, wall, has_rotations=True)
 
 
 def _areas_within(face: FaceMesh, outline: shapely.Geometry) -> tuple[Indices, Array]:

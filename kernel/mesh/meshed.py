@@ -17,11 +17,12 @@ from kernel.mesh.assembly import Tie
 from kernel.mesh.beams import SeatedNode
 from kernel.mesh.bricks import BrickMesh, outer_faces
 from kernel.mesh.faces import CurvesByFace, FaceMesh
-from kernel.mesh.patches import SurfaceFaces, faces_on, node_areas
+from kernel.mesh.patches import SurfaceFaces, faces_on, host_of, node_areas
 from kernel.solid.charts import flatten
 from kernel.solid.surfaces import (
     ConeSurface,
     CylinderSurface,
+    FacetedSurface,
     Plane,
     SphereSurface,
     Surface,
@@ -34,6 +35,10 @@ Indices = NDArray[np.int64]
 
 ON_SURFACE = 1e-6
 """Nodes nearer than this share of the model's size to a surface lie on it."""
+
+LONGEST_ARM = 3.0
+"""Nodes follow others over no longer arm than this many times the thicknesses of the walls that touch: as far as a
+mid-surface may be cut back from a corner of them."""
 
 
 @dataclass(slots=True, eq=False)
@@ -58,7 +63,11 @@ class Meshed:
 
     def surface(self, joint: Joint) -> Surface:
         """The joint's surface."""
-        return self.parts.segments[joint.segments[0]].solid.surfaces.surfaces[joint.surface]
+        return self.surface_of(joint, joint.segments[0])
+
+    def surface_of(self, joint: Joint, name: str) -> Surface:
+        """The surface that the segment of that id has at the joint."""
+        return self.parts.segments[name].solid.surfaces.surfaces[joint.surface_of(name)]
 
     def wall_faces(self, wall: Wall) -> SurfaceFaces:
         """A wall's elements, on its mid-surface."""
@@ -113,10 +122,13 @@ def edge_nodes(meshed: Meshed, wall: Wall, joint: Joint) -> list[int]:
         found.update(seeded.nodes[inside].tolist())
     found = found or _nearest_in_contact(meshed, wall, joint)
     if not found:
+        found.update(nodes_beside(meshed, wall, joint)[0].tolist())
+    if not found:
         other = next(name for name in joint.segments if name != wall.segment.id)
         raise ConnectError(
-            f"{joint.id}: {other} stands against an edge of {wall.segment.id} that is no part of its mid-surface's "
-            "outline"
+            f"{joint.id}: {other} and {wall.segment.id} touch near {meshed.parts.topology.place_text(joint.centre)}, "
+            f"where {wall.segment.id} has no nodes within {LONGEST_ARM:g} thicknesses, expected some: a smaller size "
+            "or another type is needed for one of them"
         )
     return sorted(found)
 
@@ -135,9 +147,45 @@ def _nearest_in_contact(meshed: Meshed, wall: Wall, joint: Joint) -> set[int]:
     return set(nodes[in_contact & (away <= away[in_contact].min() + 8 * meshed.parts.topology.tolerance)].tolist())
 
 
+def nodes_beside(meshed: Meshed, wall: Wall, joint: Joint) -> tuple[Indices, float]:
+    """Nodes of a wall's mid-surface next to a contact, and how far the nearest is from it; none beyond LONGEST_ARM.
+
+    Where a wall was cut back, or its material by the contact is thinner than the wall itself, its mid-surface ends
+    beside the contact. What lies no further from it than half the thicknesses of both does not lie there by chance,
+    and nothing beyond the nearest node does where that is further.
+    """
+    surface, patch = meshed.surface_of(joint, wall.segment.id), joint.patch_of(wall.segment.id)
+    if isinstance(surface, FacetedSurface):
+        return np.empty(0, np.int64), np.inf
+    thickness = sum(meshed.parts.walls[name].thickness for name in joint.segments if name in meshed.parts.walls)
+    nodes = meshed.faces[wall.segment.id].nodes
+    flat = flatten(surface, meshed.points[nodes])
+    aside = shapely.distance(patch, shapely.points(flat))
+    away = np.hypot(aside, signed_distance(surface, meshed.points[nodes]))
+    nearest = float(away.min())
+    if nearest > LONGEST_ARM * thickness:
+        return np.empty(0, np.int64), nearest
+    return nodes[away <= max(nearest * (1 + ON_SURFACE), 0.5 * thickness)], nearest
+
+
 def average(joint: Joint, node: int, faces: SurfaceFaces, patch: shapely.Geometry, name: str) -> Tie:
     """A node that follows the part of some element faces that a patch covers; name: of its segment, for errors."""
     nodes, areas = node_areas(faces, patch)
     if not len(nodes):
         raise ConnectError(f"{joint.id}: {name} covers no element face of what it stands on")
     return Tie("beam_on_face", joint, np.array([node]), nodes, areas)
+
+
+def interpolated(meshed: Meshed, joint: Joint, nodes: Indices, wall: Wall, has_rotations: bool) -> Tie:
+    """Nodes that follow the elements of a wall, each the one that is nearest to it seen along the wall's normal."""
+    faces = meshed.wall_faces(wall)
+    flat = flatten(wall.sheet.surface, meshed.points[nodes])
+    hosts, weights = zip(*(host_of(faces, point) for point in flat))
+    return Tie(
+        "interpolated",
+        joint,
+        nodes,
+        hosts=tuple(hosts),
+        host_weights=tuple(weights),
+        has_rotations=has_rotations,
+    )

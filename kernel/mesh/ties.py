@@ -14,7 +14,7 @@ from kernel.idealise.tangent_lines import is_tangent
 from kernel.idealise.walls import Wall
 from kernel.mesh.assembly import Tie
 from kernel.mesh.beam_ties import beam_on_beam, beam_on_brick, beam_on_wall
-from kernel.mesh.meshed import Meshed, average, edge_nodes
+from kernel.mesh.meshed import Meshed, average, edge_nodes, interpolated, nodes_beside
 from kernel.mesh.patches import SurfaceFaces, host_of
 from kernel.solid.charts import flatten
 
@@ -87,14 +87,38 @@ def _wall_on_wall(meshed: Meshed, joints: list[Joint], first: Wall, second: Wall
             if is_shared:
                 chosen = np.setdiff1d(chosen, meshed.faces[host.segment.id].nodes)
             if len(chosen) > 1:
-                return [_interpolated(meshed, joint, chosen, host, has_rotations=True)]
-    if is_shared:
-        return []
-    names = ", ".join(joint.id for joint in joints)
-    raise ConnectError(
-        f"{first.segment.id} and {second.segment.id} touch ({names}) without a common curve, and neither has nodes in "
-        "the contact that the other could hold: a smaller size or another type is needed for one of them"
+                return [interpolated(meshed, joint, chosen, host, has_rotations=True)]
+    return [] if is_shared else [_beside(meshed, joints, by_area)]
+
+
+def _beside(meshed: Meshed, joints: list[Joint], walls: list[Wall]) -> Tie:
+    """The nodes of one wall next to a contact follow the other's elements: of the one that has some nearest to it.
+
+    So are walls joined whose mid-surfaces neither meet nor end in the contact. walls: the smaller one first.
+    ConnectError where neither has nodes there.
+    """
+    tried = []
+    for joint in joints:
+        for place, follower in enumerate(walls):
+            nodes, away = nodes_beside(meshed, follower, joint)
+            chosen = np.setdiff1d(nodes, meshed.faces[walls[1 - place].segment.id].nodes)
+            if len(chosen):
+                tried.append((round(away / meshed.parts.topology.tolerance), -joint.area, place, joint, chosen))
+    one, other = (wall.segment.id for wall in walls)
+    if not tried:
+        where = meshed.parts.topology.place_text(joints[0].centre)
+        raise ConnectError(
+            f"{one} and {other} touch ({', '.join(joint.id for joint in joints)}) near {where} without a common curve, "
+            "and neither has nodes there that the other could hold: a smaller size or another type is needed for one "
+            "of them"
+        )
+    _, _, place, joint, chosen = min(tried, key=lambda each: each[:3])
+    names = (one, other) if place == 0 else (other, one)
+    meshed.parts.warnings.append(
+        f"{one} and {other} touch ({joint.id}) beside their mid-surfaces, near "
+        f"{meshed.parts.topology.place_text(joint.centre)}: {len(chosen)} nodes of {names[0]} follow {names[1]}"
     )
+    return interpolated(meshed, joint, chosen, walls[1 - place], has_rotations=True)
 
 
 def _contact_nodes(meshed: Meshed, joint: Joint, follower: Wall, host: Wall) -> Indices:
@@ -132,21 +156,6 @@ def _joined_through_others(meshed: Meshed, first: Wall, second: Wall) -> bool:
     return False
 
 
-def _interpolated(meshed: Meshed, joint: Joint, nodes: Indices, wall: Wall, has_rotations: bool) -> Tie:
-    """Nodes that follow the elements of a wall, seen along its normal."""
-    faces = meshed.wall_faces(wall)
-    flat = flatten(wall.sheet.surface, meshed.points[nodes])
-    hosts, weights = zip(*(host_of(faces, point) for point in flat))
-    return Tie(
-        "interpolated",
-        joint,
-        nodes,
-        hosts=tuple(hosts),
-        host_weights=tuple(weights),
-        has_rotations=has_rotations,
-    )
-
-
 # ---------------------------------------------------------------- bricks
 
 
@@ -166,7 +175,7 @@ def _brick_on_wall(meshed: Meshed, joint: Joint, wall: Wall, brick: str) -> list
                 f"{joint.id}: {brick} has {len(chosen)} nodes where it stands on {wall.segment.id}, expected 3 or "
                 "more: a smaller size is needed there"
             )
-        return [_interpolated(meshed, joint, chosen, wall, has_rotations=False)]
+        return [interpolated(meshed, joint, chosen, wall, has_rotations=False)]
     return _edge_on_brick(meshed, joint, wall, brick, faces)
 
 

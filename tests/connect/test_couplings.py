@@ -250,14 +250,18 @@ def test_an_interpolated_node_on_dependent_hosts_reaches_through_to_what_they_fo
     assert all(0 not in c.nodes and post in c.nodes for c in equations)
 
 
-def test_interpolations_that_go_round_in_a_ring_are_refused():
+def test_interpolations_that_go_round_in_a_ring_are_one_rigid_body():
     nodes, block = plates()
-    mesh, (a, b) = with_lines(nodes, block, (5, 5, 5), (15, 5, 5))
-    hosts = (np.array([b, 1, 6]), np.array([a, 1, 6]))
-    weights = (np.full(3, 1 / 3),) * 2
-    tie = Tie("interpolated", None, np.array([a, b]), hosts=hosts, host_weights=weights)
-    with pytest.raises(ConnectError, match="in a ring"):
-        make_couplings([tie], mesh, mesh.nodes)
+    mesh, (a, b, c) = with_lines(nodes, block, (5, 5, 5), (15, 5, 5), (25, 5, 5))
+    hosts = (np.array([b, 1, 6]), np.array([a, 1, 6]), np.array([a, 12, 13]))
+    weights = (np.full(3, 1 / 3),) * 3
+    tie = Tie("interpolated", None, np.array([a, b, c]), hosts=hosts, host_weights=weights)
+    result = make_couplings([tie], mesh, mesh.nodes)
+    assert consistent(result.couplings, mesh)
+    assert worst_rigid_motion(result.couplings, mesh.nodes) < 1e-9
+    assert any("in a ring" in note for note in result.notes)
+    (body,) = [coupling for coupling in result.couplings if isinstance(coupling, Rbe2)]
+    assert {body.independent, *body.dependent.tolist()} == {a, b, 1, 6}
 
 
 def test_an_unknown_coupling_is_refused():
