@@ -17,12 +17,14 @@ import shapely
 from shapely import STRtree
 
 from kernel.segment.prism import SECTION_COUNT, SECTION_OFF, measure, sweep_along
+from kernel.segment.remains import is_skin
 from kernel.segment.shapes import Draft
 from kernel.segment.slabs import most_shared
 from kernel.segment.walls import PlaneWall, TubeWall, Vector
 from kernel.solid.fins import without_fins
 from kernel.solid.lathe import SAGITTA
 from kernel.solid.solid import Solid, intersect, subtract, unite
+from kernel.units import VOLUME_TOLERANCE
 
 RANK = {"brick": 0, "plate": 1, "cylinder_plate": 1, "beam": 2}
 """Lower ranks own overlaps."""
@@ -33,6 +35,9 @@ GONE = 1e-7
 SLIVER = 1e-6
 """A piece of a trimmed draft smaller than this share of it goes to the owner that it touches."""
 
+MISSED = 0.5 * VOLUME_TOLERANCE
+"""Share of their volume that drafts may gain or lose when they are made disjoint."""
+
 UNTOUCHED = 1e-9
 """A draft that loses less than this share of its volume is not overlapped."""
 
@@ -41,9 +46,26 @@ THROUGH = 1e-3
 """An overlap nearer than this many thicknesses to a wall's face reaches that face."""
 
 
-def settle_overlaps(drafts: Sequence[Draft]) -> list[Draft]:
-    """The drafts made disjoint, in the order of their rank; together they fill what they filled before."""
-    ranked = sorted(_on_walls(list(drafts)), key=_rank)
+def settle_overlaps(drafts: Sequence[Draft], volume: float | None = None) -> list[Draft]:
+    """The drafts made disjoint, in the order of their rank; together they fill what they filled before.
+
+    volume: of all of them together, where it is known. A Boolean of several bodies whose faces nearly coincide may
+    leave some of it behind; what is then not of that volume is cut again, by one owner after the other.
+    """
+    drafts = list(drafts)
+    settled = _settled(drafts, at_once=True)
+    if volume is not None and _misses(settled, volume):
+        again = _settled(drafts, at_once=False)
+        return settled if _misses(again, volume) else again
+    return settled
+
+
+def _misses(drafts: Sequence[Draft], volume: float) -> bool:
+    return abs(sum(draft.solid.volume for draft in drafts) - volume) > MISSED * volume
+
+
+def _settled(drafts: list[Draft], at_once: bool) -> list[Draft]:
+    ranked = sorted(_on_walls(drafts.copy()), key=_rank)
     losses = _overlapped(ranked)
     kept: list[Draft] = []
     place: dict[int, list[int]] = {}
@@ -51,7 +73,7 @@ def settle_overlaps(drafts: Sequence[Draft]) -> list[Draft]:
     for index, draft in enumerate(ranked):
         pieces = [draft]
         if losses[index]:
-            pieces, crumbs = _trimmed(draft, [ranked[owner] for owner in losses[index]])
+            pieces, crumbs = _trimmed(draft, [ranked[owner] for owner in losses[index]], at_once)
             slivers += [(crumb, index) for crumb in crumbs]
         place[index] = list(range(len(kept), len(kept) + len(pieces)))
         kept += pieces
@@ -127,17 +149,20 @@ def _overlapped(ranked: Sequence[Draft], both_ways: bool = False) -> list[list[i
     return [sorted(owners) for owners in losses]
 
 
-def _trimmed(draft: Draft, owners: list[Draft]) -> tuple[list[Draft], list[Solid]]:
-    """What the owners leave of a draft, and the slivers that are too small to stand alone."""
-    rest = subtract(draft.solid, [owner.solid for owner in owners])
+def _trimmed(draft: Draft, owners: list[Draft], at_once: bool) -> tuple[list[Draft], list[Solid]]:
+    """What the owners leave of a draft, and the slivers and skins that are too small to stand alone."""
+    cutters = [owner.solid for owner in owners]
+    rest = draft.solid
+    for group in [cutters] if at_once else [[cutter] for cutter in cutters]:
+        rest = subtract(rest, group)
     volume = draft.solid.volume
     if rest.is_empty or rest.volume < GONE * volume:
         return [], []
     if rest.volume > (1.0 - UNTOUCHED) * volume:
         return [draft], []
     components = [without_fins(piece) for piece in rest.components()]
-    pieces = [piece for piece in components if piece.volume > SLIVER * volume]
-    slivers = [piece for piece in components if piece.volume <= SLIVER * volume]
+    slivers = [piece for piece in components if piece.volume <= SLIVER * volume or is_skin(draft, piece)]
+    pieces = [piece for piece in components if piece not in slivers]
     if len(pieces) > 1 and isinstance(draft.wall, PlaneWall) and all(owner.wall is not None for owner in owners):
         return [replace(draft, solid=unite(pieces))], slivers  # walls that cross: each stays one
     if draft.type != "beam":

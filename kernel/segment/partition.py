@@ -16,28 +16,29 @@ from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
+from itertools import count
 from typing import TYPE_CHECKING
 
 import numpy as np
 import shapely
 from shapely import STRtree
-from shapely.errors import GEOSException
 
 from kernel import describe
 from kernel.csg.source import MAX_TREE_DEPTH
-from kernel.csg.tree import walk
-from kernel.errors import DefectError, MeshError, RuleError
+from kernel.errors import RuleError
 from kernel.facts import TIERS, Facts
 from kernel.plan import Conclusion, Decide, Decision, Need, Override, Plan
 from kernel.segment.assign import UnfitError, drafts_as_one, drafts_of_walls
 from kernel.segment.clusters import Cluster, find_clusters
 from kernel.segment.necks import cut_at_neck
+from kernel.segment.numbering import check_volume, named, numbered
 from kernel.segment.operands import Operand, likeness_key, operand_at, operands_of, solid_of
 from kernel.segment.ownership import settle_overlaps
 from kernel.segment.pieces import Likeness, Piece
 from kernel.segment.pinned import Pins, pin
+from kernel.segment.remains import is_another
 from kernel.segment.segments import Segment
-from kernel.segment.shapes import Draft, shape_of
+from kernel.segment.shapes import Draft
 from kernel.units import VOLUME_TOLERANCE
 
 if TYPE_CHECKING:
@@ -83,8 +84,8 @@ def partition(
     piece = Piece(evaluated.solid, root.path, root.path, "root", 0, root.node.name, operand=root if use_tree else None)
     with _room_for_depth():
         outcome = walker.settle(piece)
-    _check_volume(outcome.drafts, evaluated.solid)
-    segments = _numbered(outcome.drafts, evaluated)
+    check_volume(outcome.drafts, evaluated.solid)
+    segments = numbered(outcome.drafts, evaluated)
     return Partition(segments, Plan(outcome.decisions, overrides))
 
 
@@ -97,18 +98,6 @@ def _room_for_depth() -> Iterator[None]:
         yield
     finally:
         sys.setrecursionlimit(before)
-
-
-@contextmanager
-def _named(path: str) -> Iterator[None]:
-    """What areas refuse, said of the node at `path`."""
-    try:
-        yield
-    except GEOSException as refusal:
-        raise MeshError(
-            f"{path}: its faces cannot be joined as areas ({refusal}); expected faces that either coincide or are "
-            "further apart than rounding"
-        ) from None
 
 
 @dataclass(eq=False)
@@ -136,7 +125,7 @@ class _Walk:
 
         MeshError: faces of it that are too finely interlocked for their areas to be joined or compared.
         """
-        with _named(piece.path):
+        with named(piece.path):
             return self._settled(piece)
 
     def _settled(self, piece: Piece) -> Outcome:
@@ -236,7 +225,7 @@ class _Walk:
             if decision.by_rule.type == "split" or decision.override is None or self.pins.of(piece.operand) is None:
                 return self._operands(piece, operands)
             outcome = _joined([self.settle(child) for child in self._children(piece, operands)])
-            return Outcome(tuple(settle_overlaps(outcome.drafts)), outcome.decisions)
+            return self._settled_overlaps(piece, outcome)
         if len(piece.components) < 2:
             raise UnfitError("it is one solid and has no operands")
         return _joined(
@@ -248,10 +237,26 @@ class _Walk:
         if id(piece) not in self.divided:
             children = self._children(piece, operands)
             outcome = _joined([self.settle(child) for child in children])
-            drafts = tuple(settle_overlaps(outcome.drafts))
+            outcome = self._settled_overlaps(piece, outcome)
             asked = {child.path: child.solid.volume for child in children}
-            self.divided[id(piece)] = (piece, self._cluster(piece, Outcome(drafts, outcome.decisions), asked))
+            self.divided[id(piece)] = (piece, self._cluster(piece, outcome, asked))
         return self.divided[id(piece)][1]
+
+    def _settled_overlaps(self, piece: Piece, outcome: Outcome) -> Outcome:
+        """What drafts share given to one of them, and what is then no longer what it was decided again by itself."""
+        outcomes = []
+        labels = {decision.node for decision in outcome.decisions}
+        for draft in settle_overlaps(outcome.drafts, piece.solid.volume):
+            if not is_another(draft):
+                outcomes.append(Outcome((draft,), ()))
+                continue
+            numbered = (f"{draft.decision.node}#{number}" for number in count(1))
+            label = next(label for label in numbered if label not in labels)
+            labels.add(label)
+            rest = Piece(draft.solid, draft.path, label, "remainder", piece.depth, draft.name)
+            outcomes.append(self.settle(rest))
+        settled = _joined(outcomes)
+        return Outcome(settled.drafts, (*outcome.decisions, *settled.decisions))
 
     def _children(self, piece: Piece, operands: Sequence[Operand]) -> list[Piece]:
         """Pieces for the operands that have material, each knowing the others whose boxes touch its own; made once."""
@@ -367,44 +372,3 @@ def _touching_boxes(solids: Sequence[Solid]) -> list[list[int]]:
     for one, other in zip(first[touch], second[touch]):
         beside[int(one)].append(int(other))
     return [sorted(others) for others in beside]
-
-
-def _check_volume(drafts: Sequence[Draft], solid: Solid) -> None:
-    total = sum(draft.solid.volume for draft in drafts)
-    if abs(total - solid.volume) > VOLUME_TOLERANCE * solid.volume:
-        raise DefectError(
-            f"the segments' volumes sum to {total:.9g}, expected the solid's {solid.volume:.9g} "
-            f"within {VOLUME_TOLERANCE:g} of it"
-        )
-
-
-def _numbered(drafts: Sequence[Draft], evaluated: Evaluated) -> tuple[Segment, ...]:
-    """Segments in the order of their paths, then of their places."""
-    names = {path: node.name for path, node in walk(evaluated.model.root)}
-    size = evaluated.size
-
-    def order(draft: Draft) -> tuple:
-        steps = () if draft.path == "/" else tuple(int(step) for step in draft.path.split("."))
-        middle = np.round(draft.solid.bounds.mean(axis=0) / size, 6) + 0.0
-        return (steps, tuple(map(float, middle)), draft.type, -draft.solid.volume)
-
-    segments = []
-    for number, draft in enumerate(sorted(drafts, key=order), 1):
-        with _named(draft.path):
-            shape, holes = shape_of(draft)
-        segments.append(
-            Segment(
-                id=f"s{number}",
-                node=draft.path,
-                name=names[draft.path],
-                type=draft.type,
-                origin=draft.decision.origin,
-                solid=draft.solid,
-                shape=shape,
-                decision=draft.decision,
-                volume=draft.solid.true_volume,
-                holes=holes,
-                sources=draft.sources or (draft.path,),
-            )
-        )
-    return tuple(segments)

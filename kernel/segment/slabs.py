@@ -23,6 +23,7 @@ from kernel.segment.walls import LARGE_HOLE, PlaneWall, TubeWall, Wall, find_wal
 from kernel.solid.fins import without_fins
 from kernel.solid.solid import half_space_cut, intersect, prism, subtract, tube, unite
 from kernel.solid.surfaces import CylinderSurface, PlaneFrame
+from kernel.units import VOLUME_TOLERANCE
 
 if TYPE_CHECKING:
     from kernel.solid.solid import Solid
@@ -32,6 +33,13 @@ GROWTH = 1.1
 
 COVER = 0.98
 """Share of a paired region that must be solid half-way between the faces."""
+
+LEDGE = 0.02
+"""A slab that holds more than its mid-section times its thickness by this share has thinner parts beside that section:
+one of two plates side by side that goes on beyond the other."""
+
+SKIN_DEPTH = 0.01
+"""How far within its faces, as a share of its thickness, a wall's material is looked for."""
 
 CRUMB_SHARE = 2e-3
 """A piece of the remainder smaller than this share of the whole is a crumb (fillets, corner dust)."""
@@ -44,6 +52,10 @@ CRUMB_LIMIT = 5e-3
 
 CRUMB_REACH = 5.0
 """Nor does it stand off its wall by more than this many thicknesses of the thickest: a fillet does not, a rod does."""
+
+
+FLAKES = 0.5 * VOLUME_TOLERANCE
+"""Flakes that hold a smaller share of the whole may be missed."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -70,6 +82,7 @@ def decompose(solid: Solid) -> WallDecomposition:
     parts = [_as_trimmed(part) for part in settle_corners(solid, slabs)]
     remainder = _less(solid, parts)
     parts, remainder = _give_crumbs(parts, remainder, volume)
+    parts = _with_flakes(solid, parts, remainder)
     held = sum(part.solid.volume for part in parts)
     return WallDecomposition(tuple(parts), tuple(remainder), min(held / volume, 1.0))
 
@@ -82,7 +95,7 @@ def _less(solid: Solid, parts: list[WallPart]) -> list[Solid]:
         return []
     if solid.volume - sum(part.solid.volume for part in parts) < EMPTY * solid.volume:
         return []  # parts are disjoint; a Boolean of nothing but coincident faces has come out with a piece of them
-    rest = subtract(solid, [part.solid for part in parts])
+    rest = _without(solid, [part.solid for part in parts])
     if rest.is_empty or rest.volume < EMPTY * solid.volume:
         return []
     pieces = [piece for piece in rest.components() if piece.volume > EMPTY * solid.volume]
@@ -90,6 +103,21 @@ def _less(solid: Solid, parts: list[WallPart]) -> list[Solid]:
         # skins of no thickness all over the parts make a flake of what hangs on them: they go first
         pieces = list(without_fins(rest).components())
     return [without_fins(piece) for piece in pieces if piece.volume > EMPTY * solid.volume]
+
+
+def _without(solid: Solid, parts: list[Solid]) -> Solid:
+    """The solid less its disjoint parts.
+
+    A Boolean of many bodies that share faces may leave some of it behind; then they are taken one after the other.
+    """
+    expected = solid.volume - sum(part.volume for part in parts)
+    rest = subtract(solid, parts)
+    if abs(rest.volume - expected) <= FLAKES * solid.volume:
+        return rest
+    again = solid
+    for part in parts:
+        again = subtract(again, [part])
+    return min((rest, again), key=lambda other: abs(other.volume - expected))
 
 
 # ---------------------------------------------------------------- slabs
@@ -115,10 +143,11 @@ def _plane_slab(solid: Solid, wall: PlaneWall, walls: tuple[Wall, ...]) -> Solid
     own = _grown(_filled(solid, wall, walls, middle), wall, walls)
     loose = own.buffer(10.0 * tolerance)
     inside = shapely.union_all([part for part in parts_of(loose.intersection(middle)) if part.intersects(wall.paired)])
-    if inside.area >= middle.area * (1.0 - 1e-9):
-        return slab
-    if parts_apart(middle, loose):
-        return _touching(slab, wall)
+    if slab.volume <= (1.0 + LEDGE) * middle.area * wall.thickness:
+        if inside.area >= middle.area * (1.0 - 1e-9):
+            return slab
+        if parts_apart(middle, loose):
+            return _touching(slab, wall)
     frame = PlaneFrame(wall.u, wall.v, wall.normal)
     reach = wall.thickness
     outline = shapely.union_all([Polygon(part.exterior) for part in parts_of(own)])
@@ -186,8 +215,9 @@ def _way_through(wall: PlaneWall, other: Wall) -> float:
 def _filled(solid: Solid, wall: PlaneWall, walls: tuple[Wall, ...], middle: Region) -> Region:
     """The paired region with its holes, and with what stands on its edge as it might inside.
 
-    Where only one of the two faces is there, something stands on the other: it is filled in at the edge too, where it
-    is no larger than a LARGE_HOLE and no other wall's, or where a tube lies along the wall.
+    Where only one of the two faces is there, the edge is bevelled, or something stands on the other: then the material
+    goes from face to face. It is filled in at the edge too, where it is no larger than a LARGE_HOLE and no other
+    wall's, or where a tube lies along the wall.
     """
     filled = shapely.union_all([Polygon(part.exterior) for part in parts_of(wall.paired)])
     faces = faces_of(solid)
@@ -198,11 +228,25 @@ def _filled(solid: Solid, wall: PlaneWall, walls: tuple[Wall, ...], middle: Regi
         one_sided = one_sided.difference(shapely.union_all(others))
     size = max(1e-6 * wall.area, solid.surfaces.tolerance * wall.thickness)
     edges = [part for part in parts_of(one_sided) if size < part.area <= LARGE_HOLE * wall.thickness**2]
+    wide = [part for part in edges if not part.buffer(-0.5 * wall.thickness).is_empty]
+    if wide:
+        through = shapely.union_all(wide).intersection(_through(solid, wall))
+        edges = [part for part in edges if part not in wide] + [part for part in parts_of(through) if part.area > size]
     tubes = [strips_beside(wall, other) for other in walls if isinstance(other, TubeWall)]
     if any(not strip.is_empty for strip in tubes):
         edges += [part for part in parts_of(one_sided.intersection(shapely.union_all(tubes))) if part.area > size]
     edges = [part for part in edges if part.distance(filled) < solid.surfaces.tolerance]
     return shapely.union_all([filled, *edges]) if edges else filled
+
+
+def _through(solid: Solid, wall: PlaneWall) -> Region:
+    """Where the solid goes from one of the wall's faces to the other, by its sections just inside of both."""
+    depth = SKIN_DEPTH * wall.thickness
+    low, high = (
+        slice_polygon(solid.facets, wall.normal, offset, wall.u, wall.v)
+        for offset in (wall.bottom + depth, wall.top - depth)
+    )
+    return low.intersection(high)
 
 
 def _on_vertices(outline: Region, slab: Solid, wall: PlaneWall, near: float) -> Region:
@@ -317,6 +361,24 @@ def _stands_off(wall: Wall, piece: Solid) -> float:
     arms = points - wall.axis.point
     radii = np.linalg.norm(np.cross(arms, wall.axis.direction), axis=1)
     return max(float(radii.max()) - wall.outer_radius, wall.inner_radius - float(radii.min()))
+
+
+def _with_flakes(solid: Solid, parts: list[WallPart], remainder: list[Solid]) -> list[WallPart]:
+    """The parts, with what lies between them and is thinner than the tolerance: two plates a hair apart, both in one
+    slab. No segment is to be made of it, but where there is much of it its volume is missed.
+
+    Flat parts only: along a curved one flakes are the chords' rounding, which the whole wall takes with it.
+    """
+    flat = [index for index, part in enumerate(parts) if isinstance(part.wall, PlaneWall)]
+    missed = solid.volume - sum(part.solid.volume for part in parts) - sum(piece.volume for piece in remainder)
+    if not flat or missed < FLAKES * solid.volume:
+        return parts
+    for flake in _without(solid, [*(part.solid for part in parts), *remainder]).flakes():
+        found = most_shared([parts[index].solid for index in flat], flake)
+        if found is not None:
+            host = flat[found]
+            parts[host] = replace(parts[host], solid=unite([parts[host].solid, flake]))
+    return parts
 
 
 def most_shared(solids: list[Solid], piece: Solid) -> int | None:

@@ -175,11 +175,14 @@ def area_within(segments: NDArray[np.float64], grid: float) -> Polygon | MultiPo
     cells = np.round(points / grid)
     rounded = cells * grid
     lines = shapely.multilinestrings(shapely.linestrings(rounded.reshape(-1, 2, 2)))
-    region = shapely.build_area(lines)
+    try:
+        enclosed = shapely.build_area(lines)
+    except shapely.errors.GEOSException:  # rings that cross one another within the rounding
+        enclosed = None
     swept = _swept_area(rounded.reshape(-1, 2, 2))
-    if abs(region.area - abs(swept)) > NODED * abs(swept):
-        region = _wound_round(rounded.reshape(-1, 2, 2), grid)
-    region = shapely.simplify(region, 3.0 * grid)
+    if enclosed is None or abs(enclosed.area - abs(swept)) > NODED * abs(swept):
+        enclosed = _wound_round(rounded.reshape(-1, 2, 2), grid)
+    region = shapely.simplify(enclosed, 3.0 * grid)
     exact = dict(zip(map(tuple, cells.tolist()), points.tolist()))
 
     def unrounded(flat: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -130,6 +130,16 @@ class Solid:
             for shell, group in zip(shells, inside, strict=True)
         )
 
+    def flakes(self) -> tuple[Solid, ...]:
+        """Pieces thinner than the table's tolerance, which are no components, in the same order."""
+        thin = 0.5 * self.surfaces.tolerance
+        found = [
+            Solid(piece, self.surfaces)
+            for piece in self.manifold.decompose()
+            if 0.0 < piece.volume() <= thin * piece.surface_area()
+        ]
+        return tuple(sorted(found, key=lambda flake: (*flake.bounds.ravel().round(9).tolist(), flake.volume)))
+
     def count_components(self) -> int:
         """How many `components` there are, without making them: for each, and each void, manifold copies all of it."""
         if self.is_empty:

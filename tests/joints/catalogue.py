@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from catalogue_beams import BEAMS
 from catalogue_bricks import BRICKS
+from catalogue_careless import CARELESS
 from catalogue_pipes import PIPES
 from catalogue_plates import PLATES
 from catalogue_tubes import TUBES
@@ -11,4 +12,4 @@ from joined_model import Joined
 
 __all__ = ["CATALOGUE", "Joined"]
 
-CATALOGUE = {**PLATES, **BEAMS, **TUBES, **PIPES, **BRICKS}
+CATALOGUE = {**PLATES, **BEAMS, **TUBES, **PIPES, **BRICKS, **CARELESS}

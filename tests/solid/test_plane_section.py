@@ -180,6 +180,20 @@ def test_boundaries_that_lie_on_one_another_enclose_what_they_run_round() -> Non
         assert not region.covers(shapely.Point(turn @ (20.0, 25.0)))
 
 
+def test_boundaries_that_cross_one_another_within_the_rounding_enclose_something() -> None:
+    """Lines of a section through four leaning plates, of which no chain makes valid rings."""
+    chains = (
+        [(60456, 7111), (502, 7111), (5, 5026), (0, 5004), (126, 4961), (2015, 4666), (12320, 0), (59396, 5910)]
+        + [(59564, 5942), (60456, 7111)],
+        [(59564, 5942), (499, 7096), (0, 5004)],
+        [(50952, 6937), (27217, 7111), (15924, 5689), (50952, 6937)],
+    )
+    lines = [np.stack([np.array(chain[:-1]), np.array(chain[1:])], axis=1) for chain in chains]
+    region = area_within(np.concatenate(lines).astype(float), 1.0)
+    assert region.is_valid
+    assert region.covers(shapely.Point(30000.0, 6000.0))
+
+
 def test_faces_of_a_skew_braced_frame_have_the_area_of_their_triangles() -> None:
     """Bars that touch in a frame of their own, askew to what says where the axes are."""
     bars = (
