@@ -96,16 +96,21 @@ def _find_reaches(topology: Topology, crossings: Sequence[Crossing]) -> None:
 
 def _lengthen(topology: Topology, crossings: Sequence[Crossing], thirds: Thirds) -> None:
     """Carry the reaches on through third walls; both walls of a crossing mostly reach equally far."""
+    tasks = [
+        (crossing, ends)
+        for crossing in crossings
+        for ends in dict.fromkeys(ends for wall in crossing.walls for ends in crossing.reach[wall.index])
+    ]
+    points = [topology.carrier(crossing.carrier).at(np.array(ends)) for crossing, ends in tasks]
+    near = thirds.near([crossing for crossing, _ in tasks for _ in (0, 1)], np.array(points).reshape(-1, 3))
+    known: dict[tuple[int, Interval], Interval] = {}
+    for place, (crossing, ends) in enumerate(tasks):
+        known[id(crossing), ends] = lengthened(topology, crossing, ends, near[2 * place : 2 * place + 2])
     for crossing in crossings:
-        known: dict[Interval, Interval] = {}
+        period = topology.carrier(crossing.carrier).period
         for wall in crossing.walls:
-            for ends in crossing.reach[wall.index]:
-                if ends not in known:
-                    known[ends] = lengthened(topology, crossing, ends, thirds)
-            intervals = [known[ends] for ends in crossing.reach[wall.index]]
-            crossing.reach[wall.index] = merged(
-                intervals, 10 * topology.tolerance, topology.carrier(crossing.carrier).period
-            )
+            intervals = [known[id(crossing), ends] for ends in crossing.reach[wall.index]]
+            crossing.reach[wall.index] = merged(intervals, 10 * topology.tolerance, period)
 
 
 def _joint_carriers(topology: Topology, pair: tuple[Wall, Wall], joint: Joint) -> list[int]:

@@ -44,27 +44,33 @@ class Thirds:
                 self._touching[two].add(one)
         self._thickest = max((wall.thickness for wall in walls), default=0.0)
 
-    def at(self, crossing: Crossing, point: Array) -> list[Wall]:
-        """Walls other than the crossing's two that touch one of them and come near a point (3,) of its curve."""
-        a, b = crossing.walls
-        reach = 2 * (a.thickness + b.thickness + self._thickest)
-        near = [self._walls[number] for number in self._index.near(point - reach, point + reach)]
-        touching = (self._touching[a.segment.id], self._touching[b.segment.id])
-        found = {wall.segment.id: wall for wall in near if any(wall.segment.id in names for names in touching)}
-        return [found[name] for name in sorted(found.keys() - {a.segment.id, b.segment.id})]
+    def near(self, crossings: Sequence[Crossing], points: Array) -> list[list[Wall]]:
+        """For each crossing and a point (n, 3) of its curve, walls other than its two that touch one and come near."""
+        if not crossings:
+            return []
+        reach = [2 * (one.thickness + other.thickness + self._thickest) for one, other in (c.walls for c in crossings)]
+        margin = np.array(reach)[:, None]
+        found: list[dict[str, Wall]] = [{} for _ in crossings]
+        for place, number in self._index.pairs(np.stack([points - margin, points + margin], axis=1)):
+            wall, (a, b) = self._walls[number], crossings[place].walls
+            name = wall.segment.id
+            if name in self._touching[a.segment.id] or name in self._touching[b.segment.id]:
+                if wall is not a and wall is not b:
+                    found[place][name] = wall
+        return [[walls[name] for name in sorted(walls)] for walls in found]
 
 
-def lengthened(topology: Topology, crossing: Crossing, ends: Interval, thirds: Thirds) -> Interval:
-    """The interval, carried on at each end through the slabs of third walls within which it ends."""
+def lengthened(topology: Topology, crossing: Crossing, ends: Interval, thirds: Sequence[Sequence[Wall]]) -> Interval:
+    """The interval, carried on at each end through the slabs of third walls (by end) within which it ends."""
     carrier = topology.carrier(crossing.carrier)
     if carrier.period is not None and ends[1] - ends[0] >= carrier.period - topology.tolerance:
         return ends
     result = []
-    for end, sign in zip(ends, (-1.0, 1.0)):
+    for end, sign, beside in zip(ends, (-1.0, 1.0), thirds):
         if isinstance(carrier, TubeCurve) and carrier.is_bend(end, topology.tolerance):
             result.append(end)
             continue
-        for third in thirds.at(crossing, carrier.at(np.array([end]))[0]):
+        for third in beside:
             end = _carried_on(carrier, end, sign, third, topology.tolerance)
         result.append(end)
     return result[0], result[1]

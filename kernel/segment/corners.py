@@ -54,7 +54,9 @@ def settle_corners(solid: Solid, slabs: list[tuple[Wall, Solid]]) -> list[WallPa
         # a tube's slab keeps sheets where the bore of another around it goes on: they would hold pieces together
         for whole in (without_fins(slab) if isinstance(wall, TubeWall) else slab).components():
             own = without_fins(subtract(whole, losses[index]) if losses[index] else whole)
-            if not own.is_empty and own.volume > EMPTY * volume and own.components():  # flakes are no components
+            if own.is_empty or own.volume <= EMPTY * volume:
+                continue
+            if own is whole or own.components():  # flakes are no components
                 parts.append((index, WallPart(wall, own)))
     parts.sort(key=lambda item: rank[item[0]])
     return _without_triples([part for _, part in parts], losses, volume)
