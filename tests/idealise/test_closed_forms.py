@@ -33,6 +33,18 @@ def test_a_tee_counts_half_the_common_piece_twice_and_a_cross_all_of_it(angle):
     assert excess([0, 180, angle, angle + 180], [8, 8, 5, 5]) == pytest.approx(common)
 
 
+def test_a_ray_that_passes_the_half_turn_from_star_to_star_stays_in_its_place():
+    angles = np.radians([[0, 0], [179.99999, -179.99999], [90, 90]])
+    found = star_excess(angles, np.array([8.0, 8.0, 5.0])[:, None])
+    assert found == pytest.approx(8 * 5 / 2)
+
+
+def test_stars_of_rays_too_near_have_no_excess_and_others_keep_theirs():
+    found = star_excess(np.radians([[0, 0], [5, 90]]), np.array([[8.0, 8.0], [5.0, 5.0]]))
+    assert np.isnan(found[0])
+    assert found[1] == pytest.approx(0, abs=1e-12)
+
+
 @pytest.mark.parametrize("angles", [(0, 120, 240), (0, 90, 225), (10, 80, 150, 230, 300)])
 def test_a_star_counts_twice_what_its_strips_have_in_common(angles):
     strip = Polygon([(0, -3), (200, -3), (200, 3), (0, 3)])
