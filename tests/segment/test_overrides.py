@@ -75,6 +75,7 @@ def test_the_head_of_a_difference_is_the_difference():
     ("text", "path", "type_", "reason"),
     [
         ("P = SPH(40)\n", "/", "beam", "not prismatic"),
+        ("P = CON(40, 10, 500)\n", "/", "beam", "of its nine sections 8 differ .* expected no more than 3"),
         ("P = SPH(40)\n", "/", "plate", "neither one wall nor a prism"),
         ("P = BLO(9,8,7)\n", "/", "cylinder_plate", "no pair of coaxial cylinders encloses it"),
         ("P = BLO(9,8,7)\n", "/", "plates", "no walls were found"),
@@ -89,6 +90,14 @@ def test_an_override_that_cannot_be_is_refused_with_the_reason(text, path, type_
     with pytest.raises(OverrideError, match=reason) as caught:
         segmented(text, {path: type_})
     assert path in caught.value.message
+
+
+def test_a_short_member_cut_askew_is_a_beam_where_an_analyst_says_so():
+    box = "(BLO(60,60,1200) DIF BLO(52,52,1200) AT(MOVX=4,MOVY=4))"
+    cut = f"P = {box} DIF BLO(900,900,900) AT(MOVX=-400,MOVY=-400,MOVZ=-900,ROTY=40,MOVZ=700)\n"
+    assert kinds(cut) == ["plate"] * 4
+    (beam,) = segmented(cut, {"/": "beam"}).segments
+    assert beam.type == "beam" and beam.shape.outline.area == pytest.approx(60**2 - 52**2)
 
 
 def test_overrides_that_contradict_one_another_are_refused():
