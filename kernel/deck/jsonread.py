@@ -208,6 +208,8 @@ def _block(value: _Value, n_node: int) -> ElementBlock:
     connectivity = value["connectivity"].indices(n_node, element.n_node)
     if not len(connectivity):
         raise value["connectivity"].refuse("one element or more")
+    if (np.diff(np.sort(connectivity, axis=1), axis=1) == 0).any():
+        raise value["connectivity"].refuse("elements that have each of their nodes once")
     orientation = None
     if element.dimension == 1:
         orientation = value["orientation"].numbers(3)

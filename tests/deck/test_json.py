@@ -96,7 +96,7 @@ def models(draw):
     blocks, properties = [], []
     for number, kind in enumerate(draw(st.lists(st.sampled_from(sorted(ELEMENT_KINDS)), min_size=1, max_size=4))):
         element = ELEMENT_KINDS[kind]
-        row = st.lists(node, min_size=element.n_node, max_size=element.n_node)
+        row = st.permutations(range(count)).map(lambda order, n=element.n_node: order[:n])
         rows = draw(st.lists(row, min_size=1, max_size=3))
         connectivity = np.array(rows, np.int64).reshape(-1, element.n_node)
         vectors = [draw(st.tuples(reals, reals, reals)) for _ in rows]
@@ -160,6 +160,7 @@ def changed(path, value):
         (("blocks", 0, "connectivity", 0, 0), 10**6, r"blocks\[0\]\.connectivity .* from 0 to"),
         (("blocks", 0, "connectivity", 0, 0), -1, r"blocks\[0\]\.connectivity .* from 0 to"),
         (("blocks", 0, "connectivity", 0, 0), 0.5, r"blocks\[0\]\.connectivity .* whole numbers"),
+        (("blocks", 0, "connectivity", 0), [3, 4, 9, 3], r"blocks\[0\]\.connectivity .* each of their nodes once"),
         (("blocks", 0, "connectivity"), [], r"blocks\[0\]\.connectivity is \[\], expected one element or more"),
         (("blocks",), [], r"blocks is \[\], expected one block of elements or more"),
         (("properties", 0, "material"), "cheese", r"properties\[0\]\.material is \"cheese\", expected one of steel"),
