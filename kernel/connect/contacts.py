@@ -50,7 +50,8 @@ AROUND = 0.25
 go on in one another. It is 0.5 where they only touch."""
 
 LIES_ALONG = 0.9
-"""A plate that a tube meets in this direction (cosine to its normal) is met on its face."""
+"""A plate that a tube meets in this direction (cosine to its normal) is met on its face; so are two tubes whose axes
+lie apart in that direction."""
 
 
 def find_joints(segments: Sequence[Segment], evaluated: Evaluated, gap: float = 0.0) -> tuple[Joint, ...]:
@@ -201,7 +202,8 @@ def _kind(
     if len(tubes) == 2 and _is_around(tubes[0], tubes[1], pair[0].solid.surfaces.surfaces[surfaces[0]]):
         return "lap"
     if tubes:
-        return "lap" if _lies_along(pair, normal) else "pipe"
+        is_beside = _lie_side_by_side(tubes, normal) if len(tubes) == 2 else _lies_along(pair, normal)
+        return "lap" if is_beside else "pipe"
     return _wall_kind(pair, surfaces, centre, middles)
 
 
@@ -229,6 +231,20 @@ def _lies_along(pair: tuple[Segment, Segment], normal: Array) -> bool:
     is_beside = abs(float(plate.normal @ tube.axis.direction)) < SQUARE
     is_flat = away >= tube.mid_radius * float(np.sqrt(1.0 - CROSSING_SINE**2))
     return is_beside and is_flat and abs(float(plate.normal @ normal)) > LIES_ALONG
+
+
+def _lie_side_by_side(tubes: Sequence[CylinderShape], normal: Array) -> bool:
+    """Whether two tubes of parallel axes meet face to face, and their mid-surfaces at no angle."""
+    one, other = tubes
+    direction = one.axis.direction
+    apart = other.axis.point - one.axis.point
+    apart = apart - direction * (apart @ direction)
+    away = float(np.linalg.norm(apart))
+    if np.linalg.norm(np.cross(direction, other.axis.direction)) > SQUARE or one.axis_id == other.axis_id:
+        return False
+    cosine = (one.mid_radius**2 + other.mid_radius**2 - away**2) / (2 * one.mid_radius * other.mid_radius)
+    is_flat = abs(cosine) >= float(np.sqrt(1.0 - CROSSING_SINE**2))  # more than 1 where they do not meet at all
+    return is_flat and abs(float(apart @ normal)) > LIES_ALONG * away
 
 
 def _wall_kind(pair: tuple[Segment, Segment], surfaces: tuple[int, int], centre: Array, middles: _Middles) -> str:

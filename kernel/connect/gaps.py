@@ -3,8 +3,9 @@
     plane      outward +n at offset a,  outward -n at offset b > a:  gap b - a
     cylinder   a body's outside of radius a, another's bore of radius b > a:  gap b - a
     tangent    a flat face beside a cylinder (tangents.py): the gap is that of the line where it is least
+    parallel   two cylinders side by side (side_by_side.py): likewise
 
-Of these the tangents alone may touch, too: along a line, or over a strip that the cylinder's facets do not show.
+Of these the last two alone may touch, too: along a line, or over a strip that the cylinder's facets do not show.
 """
 
 from __future__ import annotations
@@ -18,11 +19,12 @@ import shapely
 
 from kernel.connect.joints import Joint
 from kernel.connect.parallels import carried, levels
+from kernel.connect.side_by_side import neighbours
 from kernel.connect.sides import FaceSide, patch_of, sides_of
-from kernel.connect.tangents import Tangent, tangents, touching_reach
+from kernel.connect.tangents import SQUARE, Tangent, tangents, touching_reach
 from kernel.errors import OptionError
 from kernel.segment.faces import Region, faces_of
-from kernel.segment.segments import CylinderShape, PlateShape, Segment
+from kernel.segment.segments import BeamShape, CylinderShape, PlateShape, Segment
 from kernel.solid.boxes import BoxIndex
 from kernel.solid.surfaces import CylinderSurface, Plane, Surface
 
@@ -35,7 +37,7 @@ NEAR_MISS = 1e-3
 
 FULL = 0.5
 """A flat face that a cylinder faces over this share of it stands against it; over less they touch along a line, which
-joins only walls that lie along one another."""
+joins walls that lie along one another or end there, and beams that run along it, but no solid: that would hinge."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -79,37 +81,62 @@ def close_pairs(
                 found.append(ClosePair(pair, gap, patches))
     within = tangents(rows, faces, table.surfaces, table.tolerance, lambda c: reach + touching_reach(c), joined)
     for item in within:
-        width = item.flat_patch.bounds
-        sliver = 10 * table.tolerance * max(width[2] - width[0], width[3] - width[1])
-        if item.least <= reach + table.tolerance and item.flat_patch.area > max(reach**2, sliver):
-            found.append(_beside(item, segments, touching_reach(_cylinder(table.surfaces, item)), table.tolerance))
+        if item.least <= reach + table.tolerance and _is_wide(item.flat_patch, reach, table.tolerance):
+            found.append(_beside(item, segments, _cylinder(table.surfaces, item.round), table.tolerance))
+    for beside in neighbours(rows, faces, table.surfaces, table.tolerance, reach, joined):
+        if beside.gap <= reach + table.tolerance and _is_wide(beside.patches[0], reach, table.tolerance):
+            joins = _along_a_line(beside.faces, segments, _cylinder(table.surfaces, beside.faces[0]))
+            found.append(ClosePair(beside.faces, beside.gap, beside.patches, joins))
     found.sort(key=lambda item: (item.faces[0].segment, item.faces[1].segment, item.faces[0].surface))
     return found
 
 
-def _cylinder(surfaces: Sequence[Surface], item: Tangent) -> CylinderSurface:
-    surface = surfaces[item.round.surface]
+def _is_wide(patch: Region, reach: float, tolerance: float) -> bool:
+    """Whether a patch is more than rounding, and than what lies within reach about a point."""
+    left, low, right, high = patch.bounds
+    return bool(patch.area > max(reach**2, 10 * tolerance * max(right - left, high - low)))
+
+
+def _cylinder(surfaces: Sequence[Surface], row: FaceSide) -> CylinderSurface:
+    surface = surfaces[row.surface]
     assert isinstance(surface, CylinderSurface)
     return surface
 
 
-def _beside(item: Tangent, segments: Sequence[Segment], slack: float, tolerance: float) -> ClosePair:
-    """A tangent as a pair of faces: 0 apart where it touches."""
-    flat, bent = (segments[row.segment].shape for row in (item.flat, item.round))
-    is_lap = (
-        isinstance(flat, PlateShape)
-        and isinstance(bent, CylinderShape)
-        and item.flat.surface in flat.surface_ids
-        and item.round.surface == bent.surface_ids[1]
-    )
+def _beside(item: Tangent, segments: Sequence[Segment], cylinder: CylinderSurface, tolerance: float) -> ClosePair:
+    """A tangent as a pair of faces: 0 apart where it touches.
+
+    In a bore only the corners of a flat face touch: it must stand against it.
+    """
     both = [(item.flat, item.flat_patch), (item.round, item.round_patch)]
     both.sort(key=lambda one: one[0].segment)
+    is_against = item.share >= FULL and item.most <= item.least + touching_reach(cylinder) + tolerance
+    is_outside = item.round.side > 0
     return ClosePair(
         faces=(both[0][0], both[1][0]),
         gap=item.least if item.least > tolerance else 0.0,
         patches=(both[0][1], both[1][1]),
-        joins=is_lap or (item.share >= FULL and item.most <= item.least + slack + tolerance),
+        joins=is_against or (is_outside and _along_a_line((item.flat, item.round), segments, cylinder)),
     )
+
+
+def _along_a_line(faces: Sequence[FaceSide], segments: Sequence[Segment], cylinder: CylinderSurface) -> bool:
+    """Whether the bodies of two faces that touch along a line of the cylinder can be held along it.
+
+    So can tubes by their own faces, plates by theirs and by their edges, and beams that run along the line. A solid
+    cannot: it would hinge there.
+    """
+    for row in faces:
+        shape = segments[row.segment].shape
+        if isinstance(shape, BeamShape):
+            if np.linalg.norm(np.cross(shape.direction, cylinder.axis.direction)) > SQUARE:
+                return False
+        elif isinstance(shape, CylinderShape):
+            if row.surface not in shape.surface_ids:
+                return False
+        elif not isinstance(shape, PlateShape):
+            return False
+    return True
 
 
 def near_misses(segments: Sequence[Segment], evaluated: Evaluated, joints: Sequence[Joint]) -> tuple[str, ...]:

@@ -23,6 +23,9 @@ _SWEEP = np.array([0.482963, 0.836516, 0.258819])
 
 _SAMPLES_PER_TURN = 192
 
+_FINEST = 10
+"""Most times that a curve is shown more densely than usual, for walls that are thin beside its radius."""
+
 _REFINEMENTS = 3
 """Steps from the guide's nearest point to the traced curve's."""
 
@@ -50,13 +53,17 @@ class Line:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Circle:
-    """x, y: unit vectors with x cross y = normal; the parameter is radius times the angle from x."""
+    """x, y: unit vectors with x cross y = normal; the parameter is radius times the angle from x.
+
+    samples: points by which it is shown, to a turn.
+    """
 
     centre: Array
     normal: Array
     radius: float
     x: Array
     y: Array
+    samples: int = _SAMPLES_PER_TURN
 
     @property
     def period(self) -> float:
@@ -75,7 +82,7 @@ class Circle:
 
     def breaks(self, start: float, end: float) -> Array:
         """Multiples of a fixed step between start and end, the same for whoever asks."""
-        step = self.period / _SAMPLES_PER_TURN
+        step = self.period / self.samples
         return step * np.arange(np.ceil(start / step + 1e-6), np.floor(end / step - 1e-6) + 1)
 
 
@@ -202,12 +209,14 @@ class VertexTable:
 class CarrierTable:
     """Every carrier once: one that coincides with an earlier one within the tolerance gets that one's index.
 
-    tolerance: a length. reach: the model's size, over which nearly parallel lines must stay together.
+    tolerance: a length. reach: the model's size, over which nearly parallel lines must stay together. chord: by how
+    much a polyline that shows a curve may miss it: curves are shown as densely as that takes, within reason.
     """
 
-    def __init__(self, tolerance: float, reach: float) -> None:
+    def __init__(self, tolerance: float, reach: float, chord: float = np.inf) -> None:
         self.tolerance = tolerance
         self.reach = reach
+        self.chord = chord
         self.carriers: list[Carrier] = []
         # Directions may differ by what displaces the far end by the tolerance.
         self._lines, self._circles = _Keys(8 * tolerance), _Keys(2 * tolerance)
@@ -218,6 +227,10 @@ class CarrierTable:
 
     def __getitem__(self, index: int) -> Carrier:
         return self.carriers[index]
+
+    def finer(self, deviation: float) -> int:
+        """By how many times more densely a curve is to be shown whose chords miss it by `deviation`."""
+        return min(_FINEST, max(1, math.ceil(math.sqrt(deviation / self.chord))))
 
     def _append(self, carrier: Carrier) -> int:
         self.carriers.append(carrier)
@@ -260,9 +273,24 @@ class CarrierTable:
             ):
                 return index
         frame = plane_frame(unit)
-        index = self._append(Circle(np.array(centre, float), unit, float(radius), frame.u, frame.v))
+        count = _SAMPLES_PER_TURN * self.finer(radius * (1 - math.cos(math.pi / _SAMPLES_PER_TURN)))
+        index = self._append(Circle(np.array(centre, float), unit, float(radius), frame.u, frame.v, count))
         self._circles.add(key, index)
         return index
+
+    def _densely(self, points: Array, surfaces: Sequence[Surface], is_closed: bool) -> Array:
+        """Points (n, 3) of a curve on surfaces with others between, where its chords miss it by more than they may."""
+        after = np.roll(points, -1, axis=0) if is_closed else points[1:]
+        before = points[: len(after)]
+        middles = 0.5 * (before + after)
+        missed = np.linalg.norm(project(middles, surfaces) - middles, axis=1).max(initial=0.0)
+        count = self.finer(float(missed))
+        if count == 1:
+            return points
+        shares = np.arange(count)[:, None] / count
+        inner = before[:, None] * (1 - shares) + after[:, None] * shares
+        found = project(inner.reshape(-1, 3), surfaces)
+        return found if is_closed else np.vstack([found, points[-1:]])
 
     def find_traced(self, ids: tuple[int, ...], point: Array) -> int | None:
         """The traced curve of the surfaces `ids` that runs through `point` (3,), if there is one yet."""
@@ -275,12 +303,14 @@ class CarrierTable:
         """The curve of that side (1 or -1) of two tubes whose ids in the surface table are `ids`."""
         key = (min(ids), max(ids), side, frame.pinch)
         if key not in self._tubes:
-            self._tubes[key] = self._append(tube_curve(frame, side))
+            curve = tube_curve(frame, side)
+            finer = self.finer(curve.chord_deviation())
+            self._tubes[key] = self._append(curve if finer == 1 else tube_curve(frame, side, finer))
         return self._tubes[key]
 
     def traced(self, ids: tuple[int, ...], surfaces: Sequence[Surface], guide: Array, is_closed: bool) -> int:
         """A new curve through `guide` (n, 3) on `surfaces`, whose ids in the surface table are `ids`."""
-        points = project(guide, surfaces)
+        points = self._densely(project(guide, surfaces), surfaces, is_closed)
         key = tuple(sorted(ids))
         steps = np.linalg.norm(np.diff(points, axis=0), axis=1)
         keep = np.ones(len(points), dtype=bool)

@@ -13,16 +13,20 @@ from kernel.connect.joints import Joint
 from kernel.idealise.arms import TeeOf, arm_candidates, extended, stand_off
 from kernel.idealise.beam import make_beam
 from kernel.idealise.brick import group_bricks
+from kernel.idealise.crossings import CURVED_OVERLAP
 from kernel.idealise.footprints import cut_edges, footprint_candidates, lap_candidates, seats
 from kernel.idealise.imprints import crossing_candidates, imprint, lay_outlines, outline_candidates
 from kernel.idealise.joint_curves import find_crossings, pinch_notes
 from kernel.idealise.parts import Parts
 from kernel.idealise.regions import join_walls
-from kernel.idealise.tangent_lines import tangent_candidates
+from kernel.idealise.tangent_lines import line_notes, tangent_candidates
 from kernel.idealise.topology import Topology
 from kernel.idealise.walls import corner_material, make_wall
 from kernel.segment.segments import Segment
 from kernel.units import VERTEX_TOLERANCE
+
+CHORD = 0.5 * CURVED_OVERLAP
+"""Share of the thinnest wall by which polylines may miss their curves: two of them stay within what strips overlap."""
 
 
 def idealise(
@@ -39,7 +43,8 @@ def idealise(
     size: the model's. volumes: as in MeshOptions. tee_of: how the tees of two segments are made. apart: joints that
     only walls take notice of, whose mid-surfaces meet there. frame: as in Topology.
     """
-    topology = Topology(VERTEX_TOLERANCE * size, size, frame)
+    thinnest = min((segment.thickness for segment in segments if segment.thickness is not None), default=np.inf)
+    topology = Topology(VERTEX_TOLERANCE * size, size, frame, CHORD * thinnest)
     parts = Parts(topology, {segment.id: segment for segment in segments}, tuple(joints))
     for segment in segments:
         if segment.type in ("plate", "cylinder_plate"):
@@ -62,6 +67,7 @@ def idealise(
     candidates = [*crossing_candidates(topology, crossings), *outline_candidates(topology, walls, joints)]
     candidates += arm_candidates(parts.arms)
     candidates += [*footprint_candidates(parts), *lap_candidates(parts), *tangent_candidates(parts)]
+    parts.warnings += line_notes(parts)
     axes, parts.seats = seats(parts)
     candidates += axes
     if volumes != "tet":

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -10,13 +11,11 @@ from numpy.typing import NDArray
 
 from kernel.idealise.sheets import PlaneSheet, Sheet
 from kernel.solid.section import boundary_chains
-from kernel.solid.solid import cut_by, intersect, tube
+from kernel.solid.solid import Solid, cut_by, intersect, tube
 
 if TYPE_CHECKING:
-    from kernel.segment.segments import CylinderShape
     from kernel.solid.facets import Facets
-    from kernel.solid.section import boundary_chains
-from kernel.solid.solid import Solid
+    from kernel.solid.surfaces import Axis
 
 Array = NDArray[np.float64]
 
@@ -68,10 +67,21 @@ def sheet_rings(solid: Solid, sheet: Sheet) -> list[Ring]:
     return boundary_rings(facets, mask) if mask.any() else []
 
 
-def middle_angle(solid: Solid, shape: CylinderShape) -> float:
-    """The angle (radians) amid the material of a cylinder-plate: opposite the middle of its widest gap."""
-    relative = solid.facets.vertices - shape.axis.point
-    angles = np.unique(np.arctan2(relative @ shape.axis.y, relative @ shape.axis.x))
-    gaps = np.diff(np.concatenate([angles, angles[:1] + 2 * np.pi]))
-    widest = int(np.argmax(gaps))
-    return float(angles[widest] + 0.5 * gaps[widest] + np.pi)
+def middle_angle(rings: Sequence[Ring], axis: Axis) -> float:
+    """The angle (radians) amid what rings about an axis enclose: opposite the middle of the widest gap between them.
+
+    What the section covers counts, not the solid: another may have taken some of the wall's thickness away.
+    """
+    spans = []
+    for ring in rings:
+        relative = ring.points - axis.point
+        angles = np.arctan2(relative @ axis.y, relative @ axis.x)
+        steps = np.mod(np.roll(angles, -1) - angles + np.pi, 2 * np.pi) - np.pi
+        spans += [(a + min(0.0, step), a + max(0.0, step)) for a, step in zip(angles.tolist(), steps.tolist())]
+    spans.sort()
+    covered, widest, middle = spans[0][1], -np.inf, 0.0
+    for low, high in (*spans[1:], *((low + 2 * np.pi, high + 2 * np.pi) for low, high in spans)):
+        if low - covered > widest:
+            widest, middle = low - covered, 0.5 * (low + covered)
+        covered = max(covered, high)
+    return float(middle + np.pi)

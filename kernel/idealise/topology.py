@@ -71,11 +71,14 @@ class Curve:
 class Topology:
     """Collects spans and cuts; `curves` then gives the curves."""
 
-    def __init__(self, tolerance: float, reach: float, frame: Array | None = None) -> None:
-        """tolerance, reach: lengths. frame: (3, 3), user's point = frame @ working point; None where they are one."""
+    def __init__(self, tolerance: float, reach: float, frame: Array | None = None, chord: float = float("inf")) -> None:
+        """tolerance, reach, chord: lengths, as in CarrierTable.
+
+        frame: (3, 3), user's point = frame @ working point; None where they are one.
+        """
         self.tolerance = tolerance
         self.frame: Array = np.eye(3) if frame is None else frame
-        self.carriers = CarrierTable(tolerance, reach)
+        self.carriers = CarrierTable(tolerance, reach, chord)
         self.vertices = VertexTable(tolerance)
         self._spans: dict[int, list[Span]] = {}
         self._cuts: dict[int, list[tuple[float, Array]]] = {}

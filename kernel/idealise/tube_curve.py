@@ -216,6 +216,13 @@ class TubeCurve:
         length = self.lengths[step] + share * (first + share * (square + share * cube))
         return length, (first + share * (2 * square + share * 3 * cube)) / width
 
+    def chord_deviation(self) -> float:
+        """By how much a polyline through the table's points misses the curve at most."""
+        after = np.roll(self.guide, -1, axis=0)
+        amid = self._at_angles(0.5 * (self.angles[:-1] + self.angles[1:]))
+        along = (after - self.guide) / np.linalg.norm(after - self.guide, axis=1, keepdims=True)
+        return float(np.linalg.norm(np.cross(amid - self.guide, along), axis=1).max())
+
     def breaks(self, start: float, end: float) -> Array:
         """The table's own lengths between start and end."""
         period = self.period
@@ -225,9 +232,9 @@ class TubeCurve:
         return values[(values > start + margin) & (values < end - margin)]
 
 
-def tube_curve(frame: TubeFrame, side: float) -> TubeCurve:
-    """The curve of that sign (1 or -1)."""
-    half = [_lobe(frame, side, top) for top in (False, True)]
+def tube_curve(frame: TubeFrame, side: float, finer: int = 1) -> TubeCurve:
+    """The curve of that sign (1 or -1). finer: how many times more entries its table has than usual."""
+    half = [_lobe(frame, finer, top) for top in (False, True)]
     angles = np.concatenate([half[0][0][:-1], half[0][1]])
     lengths = [np.zeros(1)]
     speeds = []
@@ -244,14 +251,14 @@ def tube_curve(frame: TubeFrame, side: float) -> TubeCurve:
     return TubeCurve(frame, side, angles, curve.lengths, curve.speeds, curve._at_angles(angles[:-1]))
 
 
-def _lobe(frame: TubeFrame, side: float, far: bool) -> tuple[Array, Array]:
+def _lobe(frame: TubeFrame, finer: int, far: bool) -> tuple[Array, Array]:
     """Angles from one bend to the middle of a lobe, and from there to the other; far: of the lobe facing -m."""
     quarter = 0.5 * np.pi
     ends = []
     for gap in frame.gaps:  # top, bottom
         width = np.sqrt(gap / frame.small.radius) if gap else 1.0
         reach = np.arcsinh(quarter / width)
-        steps = np.linspace(0.0, reach, int(np.ceil(_STEPS * reach)) + 1)
+        steps = np.linspace(0.0, reach, finer * int(np.ceil(_STEPS * reach)) + 1)
         ends.append(np.minimum(width * np.sinh(steps), quarter))
         ends[-1][-1] = quarter
     top, bottom = ends

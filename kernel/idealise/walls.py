@@ -66,8 +66,9 @@ def make_wall(topology: Topology, index: int, segment: Segment) -> Wall:
     else:
         assert isinstance(shape, CylinderShape)
         sheet = cylinder_sheet(shape, table, SEAM_ANGLE, is_closed=True)
-        if not any(_winds(sheet, ring.points) for ring in sheet_rings(segment.solid, sheet)):
-            sheet = cylinder_sheet(shape, table, middle_angle(segment.solid, shape), is_closed=False)
+        own = sheet_rings(segment.solid, sheet)
+        if own and not any(_winds(sheet, ring.points) for ring in own):
+            sheet = cylinder_sheet(shape, table, middle_angle(own, shape.axis), is_closed=False)
         thickness = shape.thickness
     rings = section_outline(topology, segment.solid, sheet)
     if not rings:
