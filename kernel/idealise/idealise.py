@@ -46,9 +46,14 @@ def idealise(
     thinnest = min((segment.thickness for segment in segments if segment.thickness is not None), default=np.inf)
     topology = Topology(VERTEX_TOLERANCE * size, size, frame, CHORD * thinnest)
     parts = Parts(topology, {segment.id: segment for segment in segments}, tuple(joints))
+    beside: dict[str, list[Segment]] = {segment.id: [] for segment in segments}
+    for joint in joints:
+        if joint.kind != "lap":
+            for name, other in (joint.segments, joint.segments[::-1]):
+                beside[name].append(parts.segments[other])
     for segment in segments:
         if segment.type in ("plate", "cylinder_plate"):
-            parts.walls[segment.id] = make_wall(topology, len(parts.walls), segment)
+            parts.walls[segment.id] = make_wall(topology, len(parts.walls), segment, beside[segment.id])
     parts.absorbed = corner_material(segments, joints, parts.walls)
     for segment in segments:
         if segment.type == "beam" and segment.id not in parts.absorbed:

@@ -19,6 +19,9 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
+LEAST_GAP = 1e-6
+"""Radians: rings that come nearer to one another than this leave no gap."""
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Ring:
@@ -67,10 +70,9 @@ def sheet_rings(solid: Solid, sheet: Sheet) -> list[Ring]:
     return boundary_rings(facets, mask) if mask.any() else []
 
 
-def middle_angle(rings: Sequence[Ring], axis: Axis) -> float:
-    """The angle (radians) amid what rings about an axis enclose: opposite the middle of the widest gap between them.
-
-    What the section covers counts, not the solid: another may have taken some of the wall's thickness away.
+def middle_angle(rings: Sequence[Ring], axis: Axis) -> float | None:
+    """The angle (radians) opposite the middle of the widest gap that rings leave about an axis; None where they leave
+    none.
     """
     spans = []
     for ring in rings:
@@ -79,9 +81,9 @@ def middle_angle(rings: Sequence[Ring], axis: Axis) -> float:
         steps = np.mod(np.roll(angles, -1) - angles + np.pi, 2 * np.pi) - np.pi
         spans += [(a + min(0.0, step), a + max(0.0, step)) for a, step in zip(angles.tolist(), steps.tolist())]
     spans.sort()
-    covered, widest, middle = spans[0][1], -np.inf, 0.0
+    covered, widest, middle = spans[0][1], LEAST_GAP, 0.0
     for low, high in (*spans[1:], *((low + 2 * np.pi, high + 2 * np.pi) for low, high in spans)):
         if low - covered > widest:
             widest, middle = low - covered, 0.5 * (low + covered)
         covered = max(covered, high)
-    return float(middle + np.pi)
+    return float(middle + np.pi) if widest > LEAST_GAP else None

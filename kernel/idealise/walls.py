@@ -56,8 +56,12 @@ class Wall:
         return self.segment.shape.surface_ids
 
 
-def make_wall(topology: Topology, index: int, segment: Segment) -> Wall:
-    """The wall of a plate or cylinder-plate segment, with its own mid-section."""
+def make_wall(topology: Topology, index: int, segment: Segment, beside: Sequence[Segment] = ()) -> Wall:
+    """The wall of a plate or cylinder-plate segment, with its own mid-section.
+
+    beside: segments through which its mid-surface may be carried on. A cylinder-plate that these close to a whole tube is
+    unrolled like one.
+    """
     shape, table = segment.shape, segment.solid.surfaces
     sheet: Sheet
     if isinstance(shape, PlateShape):
@@ -68,7 +72,10 @@ def make_wall(topology: Topology, index: int, segment: Segment) -> Wall:
         sheet = cylinder_sheet(shape, table, SEAM_ANGLE, is_closed=True)
         own = sheet_rings(segment.solid, sheet)
         if own and not any(_winds(sheet, ring.points) for ring in own):
-            sheet = cylinder_sheet(shape, table, middle_angle(own, shape.axis), is_closed=False)
+            around = [ring for other in beside for ring in sheet_rings(other.solid, sheet)]
+            middle = middle_angle([*own, *around], shape.axis)
+            if middle is not None:
+                sheet = cylinder_sheet(shape, table, middle, is_closed=False)
         thickness = shape.thickness
     rings = section_outline(topology, segment.solid, sheet)
     if not rings:
