@@ -45,7 +45,7 @@ HELD = 1e-3
 """A cell holds part of the wall when it has this share of its area (or of the thickness squared) outside strips."""
 
 PINHOLE = 0.01
-"""Holes beside a lump of two tubes are closed when smaller than this share of the thickness squared."""
+"""Holes beside other walls' slabs are closed when smaller than this share of the thickness squared."""
 
 FREE = 0.3
 """A cell that holds nothing goes when more than this share of its outline is no joint curve."""
@@ -103,8 +103,7 @@ def _region(
         grid_size=spacing,
     )
     grown = shapely.union_all(parts_of(shapely.union_all([grown, *gaps], grid_size=spacing)))
-    if lumps:
-        grown = _without_pinholes(grown, shapely.union_all(lumps), PINHOLE * wall.thickness**2)
+    grown = _without_pinholes(grown, beyond, lumps, PINHOLE * wall.thickness**2)
     lines = shapely.union_all([grown.boundary, *cuts], grid_size=spacing)
     cells = parts_of(shapely.polygonize(shapely.get_parts(lines)))
     held = own.difference(shapely.union_all([*laid.trims, *whole]))
@@ -172,14 +171,19 @@ def _without_dust(topology: Topology, wall: Wall, crossings: list[Crossing]) -> 
     return shapely.union_all(kept) if kept else wall.own
 
 
-def _without_pinholes(region: PolygonLike, lumps: PolygonLike, least: float) -> PolygonLike:
-    """The region less its holes where two tubes merge, or which are smaller than `least` (an area) and reach out of it.
+def _without_pinholes(
+    region: PolygonLike, slabs: Sequence[shapely.Geometry], lumps: Sequence[PolygonLike], least: float
+) -> PolygonLike:
+    """The region less its holes where two tubes merge, or which are smaller than `least` (an area) and beside a slab.
 
-    Sections that end there at hardly any angle leave some.
+    Sections that end there at hardly any angle leave some, and so do slabs of walls that meet within this one.
     """
     holes = [Polygon(ring) for part in parts_of(region) for ring in part.interiors]
-    pinholes = [hole for hole in holes if lumps.contains(hole) or (hole.area < least and lumps.intersects(hole))]
-    return shapely.union_all([region, *pinholes])
+    pinholes = [hole for hole in holes if hole.area < least and any(slab.intersects(hole) for slab in slabs)]
+    if lumps:
+        about = shapely.union_all(lumps)
+        pinholes += [hole for hole in holes if about.contains(hole)]
+    return shapely.union_all([region, *pinholes]) if pinholes else region
 
 
 class _Sections:

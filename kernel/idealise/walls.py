@@ -59,8 +59,8 @@ class Wall:
 def make_wall(topology: Topology, index: int, segment: Segment, beside: Sequence[Segment] = ()) -> Wall:
     """The wall of a plate or cylinder-plate segment, with its own mid-section.
 
-    beside: segments through which its mid-surface may be carried on. A cylinder-plate that these close to a whole tube is
-    unrolled like one.
+    beside: segments through which its mid-surface may be carried on. A cylinder-plate that these close to a whole tube
+    is unrolled like one.
     """
     shape, table = segment.shape, segment.solid.surfaces
     sheet: Sheet
