@@ -18,10 +18,11 @@ from kernel.idealise.footprints import cut_edges, footprint_candidates, lap_cand
 from kernel.idealise.imprints import crossing_candidates, imprint, lay_outlines, outline_candidates
 from kernel.idealise.joint_curves import find_crossings, pinch_notes
 from kernel.idealise.parts import Parts
-from kernel.idealise.regions import join_walls
+from kernel.idealise.regions import joined_regions, lay_regions
+from kernel.idealise.stubs import colliding_stubs, stub_notes, without_inner, without_stubs
 from kernel.idealise.tangent_lines import line_notes, tangent_candidates
 from kernel.idealise.topology import Topology
-from kernel.idealise.walls import corner_material, make_wall
+from kernel.idealise.walls import corner_material, make_wall, refuse_lost
 from kernel.segment.segments import Segment
 from kernel.units import VERTEX_TOLERANCE
 
@@ -51,21 +52,34 @@ def idealise(
         if joint.kind != "lap":
             for name, other in (joint.segments, joint.segments[::-1]):
                 beside[name].append(parts.segments[other])
+    lost: list[str] = []
     for segment in segments:
         if segment.type in ("plate", "cylinder_plate"):
-            parts.walls[segment.id] = make_wall(topology, len(parts.walls), segment, beside[segment.id])
-    parts.absorbed = corner_material(segments, joints, parts.walls)
+            wall = make_wall(topology, len(parts.walls), segment, beside[segment.id])
+            if wall is None:
+                lost.append(segment.id)
+            else:
+                parts.walls[segment.id] = wall
+    refuse_lost(segments, lost, joints, parts.walls)
+    corners = corner_material(segments, joints, parts.walls)
+    parts.absorbed = tuple(segment.id for segment in segments if segment.id in corners or segment.id in lost)
     for segment in segments:
         if segment.type == "beam" and segment.id not in parts.absorbed:
             parts.beams[segment.id] = make_beam(segment)
     segments = [segment for segment in segments if segment.id not in parts.absorbed]
     absorbed = set(parts.absorbed)
     joints = parts.joints = tuple(joint for joint in joints if absorbed.isdisjoint(joint.segments))
-    parts.warnings += [f"{name} is the material of a corner of walls: it has no elements" for name in parts.absorbed]
+    for name in parts.absorbed:
+        what = "a crumb that walls have left beside themselves" if name in lost else "the material of a corner of walls"
+        parts.warnings.append(f"{name} is {what}: it has no elements")
     walls = list(parts.walls.values())
     crossings = parts.crossings = find_crossings(topology, walls, joints)
     parts.warnings += pinch_notes(topology, crossings)
-    join_walls(topology, walls, crossings, parts.surroundings(crossings))
+    regions = joined_regions(topology, walls, crossings, parts.surroundings(crossings))
+    parts.stubs = colliding_stubs(topology, crossings, regions)
+    parts.warnings += stub_notes(parts.stubs)
+    joints = parts.joints = without_inner(joints, parts.stubs)
+    lay_regions(topology, walls, crossings, without_stubs(regions, parts.stubs))
     parts.arms = stand_off(topology, walls, crossings, tee_of, parts.warnings)
     lay_outlines(topology, walls)
     parts.joints = tuple(joint for joint in joints if joint.id not in apart)

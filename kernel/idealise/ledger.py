@@ -125,7 +125,7 @@ def volume_ledger(parts: Parts, curves: Sequence[Curve], solid: float) -> tuple[
     by_carrier: dict[int, list[Curve]] = {}
     for curve in curves:
         by_carrier.setdefault(curve.carrier, []).append(curve)
-    for row in (*_filled_wedges(parts, by_carrier), *_trimmed_edges(parts, by_carrier)):
+    for row in (*_filled_wedges(parts, by_carrier), *_trimmed_edges(parts, by_carrier), *_cut_stubs(parts)):
         closed.setdefault(groups[row[0][0]], []).append(row)
     members: dict[int, list[str]] = {}
     for name in shapes:
@@ -162,7 +162,14 @@ def volume_ledger(parts: Parts, curves: Sequence[Curve], solid: float) -> tuple[
 MATERIAL = "material of joints, divided between their segments"
 NO_FORM = "joints of walls without a closed form"
 WEDGE = "a square end carried on to the face that it meets askew"
+STUB = "a stub in the bore of a chord, cut off where it runs into another brace's"
 TRIMMED = "an edge cut back to a joint also where nothing stands against it"
+
+
+def _cut_stubs(parts: Parts) -> Iterator[Row]:
+    """What braces lose whose stubs in a chord's bore are cut off."""
+    for stub in parts.stubs:
+        yield (stub.brace.segment.id,), STUB, -stub.area * stub.brace.thickness
 
 
 def _trimmed_edges(parts: Parts, by_carrier: dict[int, list[Curve]]) -> Iterator[Row]:

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from kernel.idealise.arms import Arm
     from kernel.idealise.brick import SweepGroup
     from kernel.idealise.footprints import Seat
+    from kernel.idealise.stubs import Stub
 
 
 @dataclass(slots=True, eq=False)
@@ -27,7 +28,7 @@ class Parts:
     contacts: all joints; joints: those of segments that have elements. sweeps: groups of swept bricks. hosts: by
     brick, the wall whose elements it continues, and the joint there. seats: by beam, the walls that it lies along.
     absorbed: segments that are the material of walls' corners, and have no elements of their own. arms: webs' edges
-    that hang from joint curves.
+    that hang from joint curves. stubs: what of braces in a chord's bore is cut off.
     only: the segments that are to be meshed, None for all.
     """
 
@@ -43,6 +44,7 @@ class Parts:
     seats: dict[str, list[Seat]] = field(default_factory=dict)
     absorbed: tuple[str, ...] = ()
     arms: list[Arm] = field(default_factory=list)
+    stubs: list[Stub] = field(default_factory=list)
     only: frozenset[str] | None = None
     warnings: list[str] = field(default_factory=list)
     _by_wall: tuple[list[Crossing], dict[int, list[Crossing]]] | None = None

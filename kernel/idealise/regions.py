@@ -14,7 +14,7 @@ Polygons are for combinatorics only: every edge of the result is put back on its
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 import shapely
@@ -54,20 +54,36 @@ CRUMB = 0.02
 """Islands smaller than this share of the region are joint material of others."""
 
 
-def join_walls(
+def joined_regions(
     topology: Topology, walls: Sequence[Wall], crossings: Sequence[Crossing], nearby: dict[int, list[Segment]]
+) -> dict[int, PolygonLike]:
+    """By index, the region of every wall that crosses others. nearby: by wall index, the segments around it."""
+    by_wall = _by_wall(crossings)
+    sections = _Sections(topology, walls)
+    return {
+        wall.index: _region(topology, wall, by_wall[wall.index], nearby[wall.index], sections)
+        for wall in walls
+        if wall.index in by_wall
+    }
+
+
+def lay_regions(
+    topology: Topology, walls: Sequence[Wall], crossings: Sequence[Crossing], regions: Mapping[int, PolygonLike]
 ) -> None:
-    """Set region and outline of every wall that crosses others. nearby: by wall index, the segments around it."""
-    by_wall: dict[int, list[Crossing]] = {}
+    """Give walls their regions, by index, with outlines on carriers."""
+    by_wall = _by_wall(crossings)
+    for wall in walls:
+        if wall.index in regions:
+            joint_carriers = {crossing.carrier for crossing in by_wall[wall.index]}
+            wall.outline, wall.region = outline_of(topology, wall, regions[wall.index], joint_carriers)
+
+
+def _by_wall(crossings: Sequence[Crossing]) -> dict[int, list[Crossing]]:
+    found: dict[int, list[Crossing]] = {}
     for crossing in crossings:
         for wall in crossing.walls:
-            by_wall.setdefault(wall.index, []).append(crossing)
-    sections = _Sections(topology, walls)
-    for wall in walls:
-        if wall.index in by_wall:
-            region = _region(topology, wall, by_wall[wall.index], nearby[wall.index], sections)
-            joint_carriers = {crossing.carrier for crossing in by_wall[wall.index]}
-            wall.outline, wall.region = outline_of(topology, wall, region, joint_carriers)
+            found.setdefault(wall.index, []).append(crossing)
+    return found
 
 
 def _region(

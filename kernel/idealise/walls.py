@@ -28,6 +28,9 @@ Interval = tuple[float, float]
 CROSSING_SINE = 0.17
 """Mid-surfaces that meet at less than 10 degrees do not join in a curve: they lap."""
 
+CRUMB = 1e-3
+"""A wall that its own mid-surface misses is left out where it has no more than this share of the model's volume."""
+
 SEAM_ANGLE = 0.7390851
 """Where closed cylinders are cut open, in radians from their x axis: at no angle that a model would use."""
 
@@ -56,8 +59,8 @@ class Wall:
         return self.segment.shape.surface_ids
 
 
-def make_wall(topology: Topology, index: int, segment: Segment, beside: Sequence[Segment] = ()) -> Wall:
-    """The wall of a plate or cylinder-plate segment, with its own mid-section.
+def make_wall(topology: Topology, index: int, segment: Segment, beside: Sequence[Segment] = ()) -> Wall | None:
+    """The wall of a plate or cylinder-plate segment, with its own mid-section; None where that does not meet its solid.
 
     beside: segments through which its mid-surface may be carried on. A cylinder-plate that these close to a whole tube
     is unrolled like one.
@@ -79,7 +82,7 @@ def make_wall(topology: Topology, index: int, segment: Segment, beside: Sequence
         thickness = shape.thickness
     rings = section_outline(topology, segment.solid, sheet)
     if not rings:
-        raise MeshError(f"{segment.id} ({segment.node}): its mid-surface does not meet its own solid")
+        return None
     wall = Wall(
         index=index,
         segment=segment,
@@ -144,6 +147,20 @@ def corner_material(segments: Sequence[Segment], joints: Sequence[Joint], walls:
         if any(np.linalg.norm(np.cross(a, b)) > CROSSING_SINE for a in normals for b in normals):
             found.append(segment.id)
     return tuple(found)
+
+
+def refuse_lost(
+    segments: Sequence[Segment], lost: Sequence[str], joints: Sequence[Joint], walls: dict[str, Wall]
+) -> None:
+    """MeshError where one of the walls that are lost, for their mid-surfaces do not meet them, is more than a crumb.
+
+    A crumb is a bit of a wall that others have left over beside themselves, and that touches a wall.
+    """
+    total = sum(segment.volume for segment in segments)
+    held = {name for joint in joints for name, other in (joint.segments, joint.segments[::-1]) if other in walls}
+    for segment in segments:
+        if segment.id in lost and (segment.id not in held or segment.volume > CRUMB * total):
+            raise MeshError(f"{segment.id} ({segment.node}): its mid-surface does not meet its own solid")
 
 
 def _winds(sheet: Sheet, points: Array) -> bool:

@@ -21,7 +21,7 @@ import shapely
 from numpy.typing import NDArray
 
 from kernel.mesh.period import shortest_way
-from kernel.mesh.region import Region, RegionMesh
+from kernel.mesh.region import Region, RegionError, RegionMesh
 
 Points = NDArray[np.float64]
 Indices = NDArray[np.int64]
@@ -57,12 +57,18 @@ class _Halves:
 
 
 def cells_of_region(region: Region) -> list[RegionCell] | None:
-    """The cells, in the order of their first edges; None where neither imprint nor pinch parts the region."""
+    """The cells, in the order of their first edges; None where neither imprint nor pinch parts the region.
+
+    RegionError, with the place, where two of its edges have the same ends.
+    """
     if region.is_boundary.all() and np.bincount(region.edges[:, 0]).max() < 2:
         return None
     halves = _halves(region)
     walks = _walks(region, halves)
     outer = [walk for walk in walks if walk.winding == 0 and walk.area > 0]
+    for walk in outer:
+        if len(walk.halves) < 3:
+            raise RegionError("two edges of the region have the same ends near {}", walk.places[0])
     bands = _bands(walks)
     if bands is None or (len(outer) + len(bands) < 2 and (region.period is None or not outer)):
         return None

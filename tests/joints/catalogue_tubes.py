@@ -27,8 +27,23 @@ def half(text: str, low: float = 0.0) -> str:
     return intersection(text, cube(1000, 500, 1000, (-500, low, -500)))
 
 
+def careless(braces: list[tuple[float, float, float]], along: float = 300.0) -> str:
+    """A chord of radius 60 and braces (radius, angle, place), all tubes of their own, drawn to its axis."""
+    return union(
+        tube(along, 60, 56),
+        *(tube(220, radius, radius - 3, (0, 0, z), turned("y", angle)) for radius, angle, z in braces),
+    )
+
+
 PIPE = tube(200, 60, 56)
 TUBES = {
+    "brace drawn to a chord's axis": Joined(careless([(30, 60, 150)]), "pipe", "cylinder_plate cylinder_plate"),
+    "braces drawn to a chord's axis, apart": Joined(
+        careless([(20, 60, 70), (20, 120, 230)]), "pipe", "cylinder_plate cylinder_plate cylinder_plate"
+    ),
+    "braces drawn to one point of a chord's axis": Joined(
+        careless([(25, 45, 150), (25, 135, 150)]), "pipe", "cylinder_plate cylinder_plate cylinder_plate"
+    ),
     "pipe on a plate": Joined(union(cube(240, 240, 8, (-120, -120, -8)), PIPE), "pipe", "cylinder_plate plate"),
     "pipe on a plate, off its axis": Joined(
         union(cube(300, 200, 8, (-100, -80, -8)), PIPE), "pipe", "cylinder_plate plate"
