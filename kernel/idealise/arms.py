@@ -50,6 +50,11 @@ WITHIN = 0.5
 SAME_THICKNESS = 1e-6
 """Coplanar walls are one flange when their thicknesses differ by less than this share."""
 
+NO_TEES = (
+    "tee is arms, but no wall ends within another, so that there is nothing for an arm to reach: walls that both end "
+    "on the curve in which they meet, as a pipe and its open branch do, count nothing twice there"
+)
+
 TeeOf = Callable[[Sequence[Joint]], str]
 """How tees on one curve are made, "extend" or "arms", by the joints that lie along it."""
 
@@ -137,8 +142,10 @@ def stand_off(
 ) -> list[Arm]:
     """Cut every web whose tee is to be made by arms back to its flange's face, and say what hangs from what.
 
-    The walls must have been joined (regions.join_walls). warnings: gets a line for each tee that stays extended.
+    The walls must have been joined (regions.lay_regions). warnings: gets a line for each tee that stays extended,
+    or one where arms were asked of all joint curves and none is a tee.
     """
+    before = len(warnings)
     by_sheet: dict[int, list[Wall]] = {}
     for wall in walls:
         by_sheet.setdefault(wall.sheet.surface_id, []).append(wall)
@@ -156,6 +163,8 @@ def stand_off(
             preferred = numbers | {crossing.carrier for crossing in crossings if wall in crossing.walls}
             wall.outline, wall.region = outline_of(topology, wall, regions[wall.index], preferred)
             arms += [arm for tee in tees[wall.index] for arm in _arms(topology, wall, tee)]
+    if crossings and not arms and len(warnings) == before and all(tee_of(one.joints) == "arms" for one in crossings):
+        warnings.append(NO_TEES)
     return arms
 
 
@@ -207,9 +216,11 @@ def _tees(
         tee = _as_tee(topology, crossing, web, flanges, stretch)
         if tee is None:
             amid = topology.carrier(stretch.carrier).at(np.array([0.5 * (stretch.start + stretch.end)]))[0]
+            pipes = isinstance(topology.carrier(stretch.carrier), TubeCurve)
+            why = "pipes of nearly one radius run side by side there, and the branch" if pipes else "it"
             warnings.append(
-                f"{web.segment.id} is carried on into {other.segment.id} near {topology.place_text(amid)}: it has no "
-                "edge at the face there from which an arm could reach"
+                f"{web.segment.id} is carried on into {other.segment.id} near {topology.place_text(amid)}: {why} "
+                "has no edge at the face from which an arm could reach"
             )
         else:
             found.append(tee)

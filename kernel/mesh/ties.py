@@ -17,6 +17,7 @@ from kernel.mesh.beam_ties import beam_on_beam, beam_on_brick, beam_on_wall
 from kernel.mesh.meshed import Meshed, average, edge_nodes, interpolated, nodes_beside
 from kernel.mesh.patches import SurfaceFaces, host_of
 from kernel.solid.charts import flatten
+from kernel.solid.surfaces import signed_distance
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
@@ -125,6 +126,9 @@ def _contact_nodes(meshed: Meshed, joint: Joint, follower: Wall, host: Wall) -> 
     """Nodes of a wall within a contact: inside the patch of a lap, on the outline where the wall ends there."""
     if joint.kind == "lap":
         nodes = meshed.faces[follower.segment.id].nodes
+        # a tube's far side looks the same way from the other's axis
+        away = np.abs(signed_distance(meshed.surface(joint), meshed.points[nodes]))
+        nodes = nodes[away <= follower.thickness]
         patch = joint.patch.buffer(20 * meshed.parts.topology.tolerance)
     else:
         if not edge_carriers(meshed.parts, follower, joint):

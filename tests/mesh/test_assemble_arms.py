@@ -198,3 +198,32 @@ def test_the_size_may_be_anything_from_far_less_to_far_more_than_the_thickness(s
     assembly, _ = assembled(union(cube(80, 100, 10), cube(80, 10, 100), gusset), tee="arms", size=size)
     assert audit(assembly) == WHOLE
     assert len(assembly.arms)
+
+
+def branch(radius: float, is_open: bool) -> str:
+    """A pipe of radius 60 and a branch of `radius`; open to one another, or the branch set on the whole pipe."""
+    lean = turned("y", 90)
+    bore, run_bore = rod(202, radius - 3, (0, 0, 150), lean), rod(302, 56, (0, 0, -1))
+    if is_open:
+        return difference(union(rod(300, 60), rod(200, radius, (0, 0, 150), lean)), run_bore, bore)
+    return union(
+        difference(rod(300, 60), run_bore),
+        difference(rod(200, radius, (0, 0, 150), lean), bore, rod(302, 58, (0, 0, -1))),
+    )
+
+
+@pytest.mark.parametrize("radius", [30, 60])
+def test_an_open_branch_is_a_corner_and_that_it_has_no_arms_is_told(radius):
+    assembly, _ = assembled(branch(radius, is_open=True), tee="arms")
+    assert not len(assembly.arms)
+    assert sum("tee is arms, but no wall ends within another" in line for line in assembly.warnings) == 1
+    assert not any("tee is arms" in line for line in assembled(branch(radius, is_open=True))[0].warnings)
+
+
+def test_a_branch_set_on_a_whole_pipe_hangs_unless_its_sides_run_on_in_the_wall():
+    assembly, _ = assembled(branch(30, is_open=False), tee="arms")
+    assert len(assembly.arms)
+    assert not any("arm" in line for line in assembly.warnings)
+    assembly, _ = assembled(branch(60, is_open=False), tee="arms")
+    assert not len(assembly.arms)
+    assert any("pipes of nearly one radius run side by side there" in line for line in assembly.warnings)
