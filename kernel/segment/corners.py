@@ -10,14 +10,19 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import shapely
+from numpy.typing import NDArray
 from shapely import STRtree
 
+from kernel.segment.faces import faces_of
 from kernel.segment.walls import PlaneWall, TubeWall, Wall
 from kernel.solid.fins import without_fins
 from kernel.solid.solid import intersect, subtract
+from kernel.solid.surfaces import Plane
 
 if TYPE_CHECKING:
     from kernel.solid.solid import Solid
+
+Array = NDArray[np.float64]
 
 FREE_MARGIN = 0.3
 """Shares of free face that differ by less are as good as equal."""
@@ -43,7 +48,7 @@ def settle_corners(solid: Solid, slabs: list[tuple[Wall, Solid]]) -> list[WallPa
         corner = intersect([slabs[i][1], slabs[j][1]])
         if corner.is_empty or corner.volume < 1e-12 * volume:
             continue
-        free_i, free_j = _free_share(corner, slabs[i][0]), _free_share(corner, slabs[j][0])
+        free_i, free_j = _free_share(corner, slabs[i][0], solid), _free_share(corner, slabs[j][0], solid)
         if abs(free_i - free_j) > FREE_MARGIN:
             winner = i if free_i > free_j else j
         else:
@@ -100,8 +105,12 @@ def _overlapping_boxes(solids: list[Solid]) -> list[tuple[int, int]]:
     return sorted((int(i), int(j)) for i, j in pairs)
 
 
-def _free_share(corner: Solid, wall: Wall) -> float:
-    """Share of the wall's two faces, inside the corner, that is free boundary of the whole solid (0 to 2)."""
+def _free_share(corner: Solid, wall: Wall, solid: Solid) -> float:
+    """Share of the wall's two faces, inside the corner, that is free boundary of the whole solid (0 to 2).
+
+    What comes from the solid is. What a cut in the same plane has made may be, for of two coincident faces a Boolean
+    keeps either: it is where the solid's own face covers its middle.
+    """
     facets = corner.facets
     if isinstance(wall, PlaneWall):
         lift = facets.normals @ wall.normal
@@ -112,5 +121,23 @@ def _free_share(corner: Solid, wall: Wall) -> float:
         arm /= np.maximum(np.linalg.norm(arm, axis=1), 1e-300)[:, None]
         lift = np.einsum("ij,ij->i", arm, facets.normals)
         foot = float(facets.areas[lift > 0.9].sum())
-    on_wall = np.isin(facets.surface, wall.surface_ids) & (np.abs(lift) > 0.5) & (facets.source >= 0)
+    on_wall = np.isin(facets.surface, wall.surface_ids) & (np.abs(lift) > 0.5)
+    cut = np.flatnonzero(on_wall & (facets.source < 0))
+    on_wall[cut] = _on_boundary(facets.centroids[cut], facets.surface[cut], lift[cut], solid)
     return float(facets.areas[on_wall].sum()) / foot if foot > 0.0 else 0.0
+
+
+def _on_boundary(points: Array, surfaces: NDArray[np.int64], lifts: Array, solid: Solid) -> NDArray[np.bool_]:
+    """Which points (n, 3) on planes lie on the solid's own faces that look the same way; none of those on tubes."""
+    found = np.zeros(len(points), dtype=bool)
+    faces = faces_of(solid)
+    for surface, side in sorted({(int(s), 1 if lift > 0 else -1) for s, lift in zip(surfaces, lifts)}):
+        plane = solid.surfaces.surfaces[surface]
+        if not isinstance(plane, Plane) or (surface, side) not in faces.areas:
+            continue
+        here = (surfaces == surface) & ((lifts > 0) == (side > 0))
+        at = points[here]
+        face = faces.polygon(surface, side)
+        shapely.prepare(face)
+        found[here] = shapely.contains_xy(face, at @ plane.u, at @ plane.v)
+    return found

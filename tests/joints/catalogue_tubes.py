@@ -35,8 +35,26 @@ def careless(braces: list[tuple[float, float, float]], along: float = 300.0) -> 
     )
 
 
+def rounded(width: float, depth: float, radius: float, height: float) -> str:
+    """A bar whose four corners along z are rounded."""
+    return union(
+        cube(width, depth - 2 * radius, height, (-width / 2, radius - depth / 2, 0)),
+        cube(width - 2 * radius, depth, height, (radius - width / 2, -depth / 2, 0)),
+        *(
+            rod(height, radius, (sx * (width / 2 - radius), sy * (depth / 2 - radius), 0))
+            for sx in (-1, 1)
+            for sy in (-1, 1)
+        ),
+    )
+
+
 PIPE = tube(200, 60, 56)
 TUBES = {
+    "box section with rounded corners": Joined(
+        difference(rounded(200, 120, 40, 300), placed(rounded(192, 112, 36, 302), (0, 0, -1))),
+        "pipe",
+        " ".join(["cylinder_plate"] * 4 + ["plate"] * 4),
+    ),
     "brace drawn to a chord's axis": Joined(careless([(30, 60, 150)]), "pipe", "cylinder_plate cylinder_plate"),
     "braces drawn to a chord's axis, apart": Joined(
         careless([(20, 60, 70), (20, 120, 230)]), "pipe", "cylinder_plate cylinder_plate cylinder_plate"
