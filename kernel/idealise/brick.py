@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 from kernel.connect.joints import Joint, joints_by_segment
 from kernel.errors import MeshError
 from kernel.idealise.cells import Cell, cells_of, curves_of_cells
-from kernel.idealise.footprints import foot_sides, footprint
+from kernel.idealise.footprints import foot_sides, footprint, grazes_edge
 from kernel.idealise.imprints import Candidate, imprint, lay_outlines
 from kernel.idealise.outlines import PolygonLike, Stretch, domain
 from kernel.idealise.roundness import roundness
@@ -209,7 +209,8 @@ def _make_group(
         wall = host[0]
         assert isinstance(wall.sheet, PlaneSheet)
         bricks, rings, round_shares = _pieces(topology, segments, wall.sheet)
-        if wall.region.buffer(30 * topology.tolerance).covers(_union(bricks)):
+        is_inside = wall.region.buffer(30 * topology.tolerance).covers(_union(bricks))
+        if is_inside and not any(grazes_edge(topology, wall, ring) for ring in rings):
             group = SweepGroup(wall.sheet.normal, wall.sheet, bricks, host=host, roundness=round_shares)
             return group, [Candidate(wall, stretch) for ring in rings for stretch in ring]
     frame = plane_frame(direction)

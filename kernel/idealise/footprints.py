@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from kernel.connect.joints import Joint
 from kernel.errors import ConnectError
 from kernel.idealise.beam import Beam
+from kernel.idealise.carriers import Circle, Line
 from kernel.idealise.implicit import project
 from kernel.idealise.imprints import Candidate
 from kernel.idealise.outlines import Stretch, stretch_between, trace_ring
@@ -25,6 +26,9 @@ from kernel.segment.segments import Segment
 from kernel.solid.surfaces import FacetedSurface, Plane, Surface, outward, signed_distance
 
 Array = NDArray[np.float64]
+
+GRAZING = 1e-2
+"""A round foot whose rim is nearer to a straight edge than this share of its radius grazes it."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -100,8 +104,35 @@ def footprint_candidates(parts: Parts) -> list[Candidate]:
             if other in parts.beams and joint.kind == "along":
                 continue
             for ring in footprint(parts.topology, wall.sheet, parts.segments[other], joint):
-                found += [Candidate(wall, stretch) for stretch in ring]
+                if not grazes_edge(parts.topology, wall, ring):
+                    found += [Candidate(wall, stretch) for stretch in ring]
     return found
+
+
+def grazes_edge(topology: Topology, wall: Wall, ring: list[Stretch]) -> bool:
+    """Whether a round foot touches a straight edge of the wall, or nearly so: between the two would be slivers.
+
+    Such a foot is not imprinted; what stands on it takes its share of the elements that it covers in part.
+    """
+    for stretch in ring:
+        circle = topology.carrier(stretch.carrier)
+        if not isinstance(circle, Circle):
+            continue
+        for edge in wall.outline:
+            line = topology.carrier(edge.carrier)
+            if isinstance(line, Line) and _grazes(topology, stretch, circle, edge, line):
+                return True
+    return False
+
+
+def _grazes(topology: Topology, stretch: Stretch, circle: Circle, edge: Stretch, line: Line) -> bool:
+    along = line.parameters(circle.centre[None])
+    nearest = line.at(along)
+    gap = abs(float(np.linalg.norm(nearest[0] - circle.centre)) - circle.radius)
+    if gap > GRAZING * circle.radius or not edge.start <= along[0] <= edge.end:
+        return False
+    on_arc = (float(circle.parameters(nearest)[0]) - stretch.start) % circle.period
+    return stretch.whole or on_arc <= stretch.end - stretch.start
 
 
 def lap_candidates(parts: Parts) -> list[Candidate]:

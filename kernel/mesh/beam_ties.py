@@ -10,14 +10,14 @@ from numpy.typing import NDArray
 
 from kernel.connect.joints import Joint
 from kernel.idealise.beam import Beam
-from kernel.idealise.footprints import footprint, is_on_face
+from kernel.idealise.footprints import footprint, grazes_edge, is_on_face
 from kernel.idealise.outlines import even_odd, ring_points
 from kernel.idealise.parts import Parts
 from kernel.idealise.walls import Wall, patch_points
 from kernel.mesh.assembly import Tie
 from kernel.mesh.faces import FaceMesh
 from kernel.mesh.meshed import Meshed, average, edge_nodes, interpolated
-from kernel.mesh.patches import corner_areas
+from kernel.mesh.patches import corner_areas, shape_functions
 from kernel.solid.surfaces import CylinderSurface, Plane, Surface
 
 Array = NDArray[np.float64]
@@ -155,7 +155,8 @@ def beam_on_wall(meshed: Meshed, joint: Joint, beam: Beam, wall: Wall) -> list[T
         return [_rigid(joint, node, edge_nodes(meshed, wall, joint))]
     rings = footprint(meshed.parts.topology, wall.sheet, beam.segment, joint)
     outline = even_odd([ring_points(meshed.parts.topology, wall.sheet, ring) for ring in rings])
-    nodes, areas = _areas_within(face, outline)
+    is_imprinted = not any(grazes_edge(meshed.parts.topology, wall, ring) for ring in rings)
+    nodes, areas = _areas_within(face, outline, is_imprinted)
     if not len(nodes):  # the wall was cut back from there
         return [interpolated(meshed, joint, np.array([node]), wall, has_rotations=True)]
     return [Tie("beam_on_face", joint, np.array([node]), nodes, areas)]
@@ -175,20 +176,36 @@ def _along_elements(meshed: Meshed, joint: Joint, beam: Beam, wall: Wall) -> Tie
     return interpolated(meshed, joint, nodes, wall, has_rotations=True)
 
 
-def _areas_within(face: FaceMesh, outline: shapely.Geometry) -> tuple[Indices, Array]:
-    """Nodes of the elements whose middle lies in the outline, and their shares of those elements' areas."""
+def _areas_within(face: FaceMesh, outline: shapely.Geometry, is_imprinted: bool) -> tuple[Indices, Array]:
+    """Nodes of the elements within the outline, and their shares of those elements' areas.
+
+    Where the outline is imprinted an element is in it or not, however its chords lie to the curve: its middle says so.
+    Elsewhere it counts with what the outline covers of it.
+    """
     areas: dict[int, float] = {}
     order = np.argsort(face.nodes)
     for elements in (face.quads, face.triangles):
         if not len(elements):
             continue
         flat = face.flat[order[np.searchsorted(face.nodes[order], elements)]]
-        middle = flat.mean(axis=1)
-        for row in np.nonzero(shapely.contains_xy(outline, middle[:, 0], middle[:, 1]))[0]:
-            for node, share in zip(elements[row].tolist(), corner_areas(flat[row])):
-                areas[node] = areas.get(node, 0.0) + float(share)
-    ordered = dict(sorted(areas.items()))
+        if is_imprinted:
+            middle = flat.mean(axis=1)
+            inside = np.flatnonzero(shapely.contains_xy(outline, middle[:, 0], middle[:, 1])).tolist()
+            shares = [corner_areas(flat[row]) for row in inside]
+        else:
+            common = shapely.intersection(shapely.polygons(flat), outline)
+            inside = np.flatnonzero(shapely.area(common) > 0.0).tolist()
+            shares = [common[row].area * _weights_amid(flat[row], common[row]) for row in inside]
+        for row, own in zip(inside, shares):
+            for node, share in zip(elements[row].tolist(), own.tolist()):
+                areas[node] = areas.get(node, 0.0) + share
+    ordered = {node: area for node, area in sorted(areas.items()) if area > 0.0}
     return np.fromiter(ordered, np.int64, len(ordered)), np.fromiter(ordered.values(), np.float64, len(ordered))
+
+
+def _weights_amid(corners: Array, part: shapely.Geometry) -> Array:
+    """Weights (n,) of an element's corners (n, 2) at the centroid of a part of it."""
+    return np.clip(shape_functions(corners, shapely.get_coordinates(part.centroid)[0]), 0.0, None)
 
 
 def beam_on_brick(meshed: Meshed, joint: Joint, beam: Beam, brick: str) -> list[Tie]:

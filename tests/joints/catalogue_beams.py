@@ -32,6 +32,9 @@ BEAMS = {
         {"1": "beam"},
     ),
     "post over a plate's edge": Joined(union(SHEET, cube(30, 30, 400, (285, 135, 10))), "end_on", "beam plate"),
+    "round post that touches a plate's edge": Joined(
+        union(SHEET, rod(400, 15, (285, 135, 10))), "end_on", "beam plate"
+    ),
     "post on a plate's corner": Joined(union(SHEET, cube(30, 30, 400, (285, 285, 10))), "end_on", "beam plate"),
     "post flush with a plate's edge": Joined(union(SHEET, cube(30, 30, 400, (270, 135, 10))), "end_on", "beam plate"),
     "post over a hole": Joined(

@@ -61,6 +61,7 @@ BRICKS = {
         {"0": "brick", "1": "brick"},
     ),
     "round boss on a plate": Joined(union(SHEET, rod(60, 35, (150, 150, 10))), "face", "brick plate"),
+    "round boss that touches a plate's edge": Joined(union(SHEET, rod(60, 35, (265, 150, 10))), "face", "brick plate"),
     "drilled boss on a drilled plate": Joined(
         difference(union(SHEET, rod(60, 50, (150, 150, 10))), rod(100, 20, (150, 150, -5))), "face", "brick plate"
     ),
