@@ -90,10 +90,13 @@ def trace_ring(
 ) -> list[Stretch]:
     """The ring through points (n, 3), whose edge k (to point k+1) is trimmed by the surface labels[k].
 
-    The points need only be near the sheet; edges that shrink to nothing on it are left out.
+    The points need only be near the sheet; edges that shrink to nothing on it are left out. Where all of the ring is
+    trimmed by one plane that is parallel to the sheet there is none: the sheet is a face of what it cuts.
     """
     surfaces = table.surfaces
     starts = _breaks(labels, surfaces)
+    if not starts and _is_parallel(sheet, surfaces[labels[0]]):
+        return []
     if not starts:
         return [_whole_ring(topology, surfaces, sheet, points, int(labels[0]))]
     n = len(points)

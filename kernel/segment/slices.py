@@ -86,14 +86,24 @@ def _segments(
     return np.stack(ends, axis=1), np.stack(edges, axis=1)
 
 
-def smallest_rectangle(polygon: shapely.Geometry) -> tuple[float, float]:
-    """Sides (long, short) of the smallest rectangle, turned any way, around a geometry; nought of one without area."""
-    rectangle = polygon.minimum_rotated_rectangle
-    if rectangle.geom_type != "Polygon" or rectangle.is_empty:
+def smallest_rectangle(geometry: shapely.Geometry) -> tuple[float, float]:
+    """Sides (long, short) of the smallest rectangle, turned any way, around a geometry; nought of one without area.
+
+    It stands on a side of the convex hull (Freeman and Shapira 1975). GEOS's own gives a line for some hulls that have
+    sides nearly in line.
+    """
+    hull = geometry.convex_hull
+    if hull.geom_type != "Polygon" or hull.is_empty:
         return 0.0, 0.0
-    corners = np.array(rectangle.exterior.coords)[:3]
-    sides = np.linalg.norm(np.diff(corners, axis=0), axis=1)
-    return float(sides.max()), float(sides.min())
+    corners = np.array(hull.exterior.coords)[:-1]
+    sides = np.roll(corners, -1, axis=0) - corners
+    lengths = np.linalg.norm(sides, axis=1)
+    long_enough = lengths > SHORTEST_SIDE * lengths.max()
+    along = sides[long_enough] / lengths[long_enough, None]
+    across = np.stack([-along[:, 1], along[:, 0]], axis=1)
+    extents = np.stack([np.ptp(corners @ directions.T, axis=0) for directions in (along, across)], axis=1)
+    best = extents[np.argmin(extents.prod(axis=1))]
+    return float(best.max()), float(best.min())
 
 
 def parts_of(geometry: shapely.Geometry) -> list[Polygon]:
@@ -115,6 +125,9 @@ def outline_points(solid: Solid) -> NDArray[np.float64]:
 
 
 _HULLS: WeakKeyDictionary[Solid, NDArray[np.float64]] = WeakKeyDictionary()
+
+SHORTEST_SIDE = 1e-9
+"""A side of a hull shorter than this share of its longest one has no direction."""
 
 MANY_VERTICES = 500
 """Solids with more vertices are worth a convex hull before their extents are measured."""

@@ -11,7 +11,19 @@ CELL = union(
     cube(376, 176, 10, (12, 12, 203)),
 )
 
+LEG, HEIGHT = 40.55202215855387, 227.89808538483032
+"""With these the post's lower end lies in the mid-surface of the floor to the last digit."""
+
 CARELESS = {
+    "post of angle that ends in the mid-surfaces of two floors": Joined(
+        union(
+            cube(349, 319, 4),
+            cube(349, 319, 4, (0, 0, HEIGHT)),
+            extrusion([(0, 0), (LEG, 0), (LEG, 4), (4, 4), (4, LEG), (0, LEG)], HEIGHT, (313.4357233485638, 5, 2)),
+        ),
+        "corner tee",
+        "plate plate plate plate",
+    ),
     "webs let into their flange, one at its corner": Joined(
         union(cube(327, 346, 4), cube(327, 12, 100, (0, 173, 3.5)), cube(12, 346, 80, (326.5, 0, 3.5))),
         "corner tee",

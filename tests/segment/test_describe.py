@@ -2,7 +2,13 @@
 
 from __future__ import annotations
 
+import math
+
+import numpy as np
 import pytest
+import shapely
+from hypothesis import given
+from hypothesis import strategies as st
 from segmenting import plain_decide
 
 from kernel import describe
@@ -11,6 +17,7 @@ from kernel.plan import Conclusion, Need
 from kernel.segment.operands import operand_at
 from kernel.segment.partition import partition
 from kernel.segment.pieces import Piece
+from kernel.segment.slices import smallest_rectangle
 from kernel.solid.evaluate import evaluate
 
 
@@ -181,3 +188,39 @@ def test_of_equally_empty_walls_the_one_with_the_narrowest_strips_tells_wherever
     for first, second in (places, places[::-1]):
         found = describe.walls(piece_of(f"union() {{ {at(*first, thin)} {at(*second, thick)} }}"))
         assert found["strip_ratio"] == pytest.approx(2 * (20000 - 6000) / (600 + 320) / 12, rel=1e-5)
+
+
+@given(
+    st.floats(0.01, 100.0),
+    st.floats(0.01, 100.0),
+    st.floats(0.0, math.pi),
+    st.lists(st.tuples(st.floats(0.0, 1.0), st.floats(0.0, 1.0), st.floats(0.0, 1e-12)), max_size=12),
+)
+def test_the_smallest_rectangle_of_a_rectangle_is_itself(long, short, angle, inner) -> None:
+    """Whatever else lies in it, and on its sides but for rounding."""
+    corners = np.array([(0, 0), (long, 0), (long, short), (0, short)])
+    beside = [(x * long, 0.0 if k % 2 else y * short) for k, (x, y, _) in enumerate(inner)]
+    off = np.array([(0.0, 0.0)] * 4 + [(0.0, -e * short) for _, _, e in inner])
+    points = np.concatenate([corners, np.array(beside).reshape(-1, 2)]) + off
+    turn = np.array([[math.cos(angle), -math.sin(angle)], [math.sin(angle), math.cos(angle)]])
+    sides = smallest_rectangle(shapely.multipoints(points @ turn.T))
+    assert sides == pytest.approx((max(long, short), min(long, short)), rel=1e-6)
+
+
+def test_a_hull_with_sides_of_rounding_has_a_rectangle_too() -> None:
+    """What is left of a hopper's wall, along its edge: GEOS gives a line for it."""
+    seen = [
+        (75.6126549378146, 0.43032444688855825), (75.61265493781461, 0.43032444688855687),
+        (75.61265493781539, 0.43032444688939836), (80.50545431158801, -1.5098579890945847),
+        (80.505454311588, -1.5098579890945825), (200.0875735193064, 125.56323363161626),
+        (200.0875735193064, 125.56323363161628), (204.98037141422716, 137.902026939357),
+        (204.98037141422714, 137.90202693935692),
+    ]  # fmt: skip
+    points = shapely.multipoints(seen)
+    long, short = smallest_rectangle(points)
+    assert short > 1.0
+    assert points.convex_hull.area <= long * short <= 2.0 * points.convex_hull.area
+
+
+def test_points_in_line_have_no_rectangle() -> None:
+    assert smallest_rectangle(shapely.multipoints([(0, 0), (1, 1), (2, 2)])) == (0.0, 0.0)
