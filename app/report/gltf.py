@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from app.report.scenes import EDGE_COLOUR, Body
+from app.report.scenes import Body
 
 TRIANGLES, LINES = 4, 1
 FLOAT, UNSIGNED_INT = 5126, 5125
@@ -30,7 +30,7 @@ def glb(bodies: list[Body]) -> bytes:
     for body in bodies:
         for name, primitives, colour, mode in (
             (body.name, body.triangles, body.colour, TRIANGLES),
-            (f"{body.name} edges", body.lines, EDGE_COLOUR, LINES),
+            (f"{body.name} edges", body.lines, body.line_colour, LINES),
         ):
             if len(primitives):
                 points, inverse = np.unique(primitives.reshape(-1, 3).astype("<f4"), axis=0, return_inverse=True)

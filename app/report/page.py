@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from app.answers import meshed_answer
 from app.report.pictures import pictures
 from app.report.quality_scene import RAMP
-from app.report.scenes import segment_colours
+from app.report.scenes import COUPLING_COLOURS, segment_colours
 from app.texts import measure_text, number, plural
 from kernel.csg.tree import walk
 from kernel.mesh.quality import element_quality
@@ -47,6 +47,8 @@ figure img { width: 100%; border: 1px solid #e6eaee } .bad { color: #b3261e; fon
 figure.half { width: auto; margin-right: 2rem }
 """
 
+COUPLING_WORDS = {"rbe2": "rigid (RBE2)", "rbe3": "averages (RBE3)", "mpc": "equations (MPC)"}
+
 
 def report_page(meshed: Meshed) -> str:
     """The page as HTML text."""
@@ -57,6 +59,7 @@ def report_page(meshed: Meshed) -> str:
         f"<h1>{escape(answer.model)}</h1>",
         f"<p>{_summary(answer)}</p>",
         *(figure for name, figure in figures.items() if name != "quality"),
+        *_couplings(answer),
         "<h2>Segments</h2>",
         _segments(answer, colours, {path: node.kind for path, node in walk(meshed.classified.csg.root)}),
         *_sizes(answer),
@@ -169,6 +172,15 @@ def _measures(segment: SegmentAnswer) -> str:
 
 def _joint(joint: Any) -> tuple[str, ...]:
     return (joint.id, joint.kind, " ".join(joint.segments), number(joint.area))
+
+
+def _couplings(answer: MeshAnswer) -> list[str]:
+    """What the lines of couplings in the picture of the mesh are."""
+    shown = [
+        f'<span class="swatch" style="background: rgb{COUPLING_COLOURS[kind]}"></span>{count} {COUPLING_WORDS[kind]}'
+        for kind, count in answer.couplings.items()
+    ]
+    return [f"<p>Couplings: {', '.join(shown)}.</p>"] if shown else []
 
 
 def _legend() -> str:

@@ -44,6 +44,7 @@ def quality_bodies(model: Model) -> list[Body]:
             loops = [loop[tenth[owner] == place] for loop, owner in outer]
             shown = [loop for loop in loops if len(loop)]
             if shown:
-                parts = [[draw(nodes, loop) for loop in shown] for draw in (fans, rims)]
-                bodies.append(Body(f"{name} {place / 10:g}", RAMP[place], *map(np.concatenate, parts)))
+                triangles, lines = ([draw(nodes, loop) for loop in shown] for draw in (fans, rims))
+                parts = np.concatenate(triangles), np.concatenate(lines)
+                bodies.append(Body(f"{name} {place / 10:g}", RAMP[place], *parts))
     return bodies

@@ -30,12 +30,17 @@ ISOMETRIC = (1.0, -1.55, 0.95)
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Scene:
-    """triangles: (n, 3, 3) model units, colours: (n, 3) uint8; lines: (m, 2, 3), line_colours: (m, 3) uint8."""
+    """triangles: (n, 3, 3) model units, colours: (n, 3) uint8; lines: (m, 2, 3), line_colours: (m, 3) uint8.
+
+    marks: (k, 2, 3) lines that nothing hides, mark_colours: (k, 3) uint8.
+    """
 
     triangles: NDArray[np.float64]
     colours: NDArray[np.uint8]
     lines: NDArray[np.float64] = field(default_factory=lambda: np.empty((0, 2, 3)))
     line_colours: NDArray[np.uint8] = field(default_factory=lambda: np.empty((0, 3), np.uint8))
+    marks: NDArray[np.float64] = field(default_factory=lambda: np.empty((0, 2, 3)))
+    mark_colours: NDArray[np.uint8] = field(default_factory=lambda: np.empty((0, 3), np.uint8))
 
 
 def render(
@@ -48,8 +53,8 @@ def render(
     """The scene filling a picture: (height, width, 3) uint8. line_width in pixels."""
     u, v, w = _camera(eye)
     basis = np.column_stack([u, -v, w])
-    triangles, lines = scene.triangles @ basis, scene.lines @ basis
-    points = np.concatenate([triangles.reshape(-1, 3), lines.reshape(-1, 3)])
+    triangles, lines, marks = scene.triangles @ basis, scene.lines @ basis, scene.marks @ basis
+    points = np.concatenate([triangles.reshape(-1, 3), lines.reshape(-1, 3), marks.reshape(-1, 3)])
     wide, high = width * SUPERSAMPLING, height * SUPERSAMPLING
     image = np.empty((high, wide, 3))
     image[:] = BACKGROUND
@@ -62,9 +67,9 @@ def render(
         depth = np.full((high, wide), -np.inf)
         fill_triangles(np.ascontiguousarray(triangles * scale + shift), lit, image, depth)
         lift = LINE_LIFT * scale * float(np.linalg.norm(extent))
-        colours = scene.line_colours.astype(np.float64)
-        ends = np.ascontiguousarray(lines * scale + shift)
-        draw_lines(ends, colours, line_width * SUPERSAMPLING, lift, image, depth)
+        for drawn, colours, nearer in ((lines, scene.line_colours, lift), (marks, scene.mark_colours, np.inf)):
+            ends = np.ascontiguousarray(drawn * scale + shift)
+            draw_lines(ends, colours.astype(np.float64), line_width * SUPERSAMPLING, nearer, image, depth)
     small = image.reshape(height, SUPERSAMPLING, width, SUPERSAMPLING, 3).mean(axis=(1, 3))
     return np.clip(np.rint(small), 0, 255).astype(np.uint8)
 

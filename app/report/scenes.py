@@ -27,14 +27,27 @@ PALETTE = (
 """Told apart by hue and lightness; from the eleventh segment on they come again."""
 
 
+COUPLING_COLOURS = {"rbe2": (200, 40, 50), "rbe3": (20, 130, 70), "mpc": (130, 60, 170)}
+"""Rigid couplings, averages and equations, as lines from the node that stands alone to the others."""
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Body:
-    """Part of a scene. triangles: (n, 3, 3), lines: (m, 2, 3), model units, user's frame."""
+    """Part of a scene. triangles: (n, 3, 3), lines: (m, 2, 3), model units, user's frame.
+
+    is_mark: the lines are no edges but marks in the body's colour, which nothing hides.
+    """
 
     name: str
     colour: tuple[int, int, int]
     triangles: NDArray[np.float64]
     lines: NDArray[np.float64]
+    is_mark: bool = False
+
+    @property
+    def line_colour(self) -> tuple[int, int, int]:
+        """The colour of the lines."""
+        return self.colour if self.is_mark else EDGE_COLOUR
 
 
 def segment_colours(ids: list[str]) -> dict[str, tuple[int, int, int]]:
@@ -65,7 +78,29 @@ def mesh_bodies(model: Model) -> list[Body]:
             triangles.append(fans(nodes, loop))
             lines.append(rims(nodes, loop))
         bodies.append(Body(name, colour, np.concatenate(triangles), np.concatenate(lines)))
-    return bodies
+    return bodies + coupling_bodies(model)
+
+
+def coupling_bodies(model: Model) -> list[Body]:
+    """The couplings of each kind that the model has (`rbe2`, `rbe3`, `mpc`): lines and no triangles."""
+    from kernel.connect.model import Rbe2, Rbe3
+
+    nodes = model.mesh.nodes
+    spokes: dict[str, list[NDArray[np.float64]]] = {kind: [] for kind in COUPLING_COLOURS}
+    for coupling in model.couplings:
+        if isinstance(coupling, Rbe2):
+            kind, alone, others = "rbe2", coupling.independent, coupling.dependent
+        elif isinstance(coupling, Rbe3):
+            kind, alone, others = "rbe3", coupling.dependent, coupling.independent
+        else:
+            kind, alone, others = "mpc", int(coupling.nodes[0]), np.unique(coupling.nodes[1:])
+        spokes[kind].append(np.stack([np.broadcast_to(nodes[alone], (len(others), 3)), nodes[others]], axis=1))
+    none = np.empty((0, 3, 3))
+    return [
+        Body(kind, COUPLING_COLOURS[kind], none, np.unique(np.concatenate(lines), axis=0), is_mark=True)
+        for kind, lines in spokes.items()
+        if lines
+    ]
 
 
 def blocks_by_segment(model: Model) -> dict[str, list[ElementBlock]]:

@@ -229,6 +229,10 @@ async function showView(fit) {
   viewer.show(parts, fit);
   if (byQuality) showLegend(parts);
   if (state.view === "solid" || byQuality) return;
+  for (const swatch of document.querySelectorAll("[data-coupling]")) {
+    const part = state.view === "mesh" && parts.find((p) => p.name === `${swatch.dataset.coupling} edges`);
+    if (part) swatch.style.background = css(part.colour);
+  }
   for (const row of byId("segments").children) {
     const part = parts.find((p) => p.name === row.dataset.segment);
     if (part) row.querySelector(".swatch").style.background = css(part.colour);
@@ -310,10 +314,10 @@ function endJob() {
 function showMesh() {
   const mesh = state.mesh;
   const elements = Object.entries(mesh.elements).map(([kind, count]) => `${count} ${kind}`).join(", ");
-  const couplings = Object.entries(mesh.couplings).map(([kind, count]) => `${count} ${kind}`).join(", ") || "none";
+  const couplings = Object.entries(mesh.couplings).flatMap(([kind, count], k) => [k ? ", " : "", make("span", { class: "swatch", "data-coupling": kind }), ` ${count} ${kind}`]);
   const error = Number((100 * mesh.mass.error).toFixed(2)) || 0;
   const lines = [
-    make("p", {}, `${plural(mesh.nodes, "node")}, ${elements}; couplings: ${couplings}; ${plural(mesh.components, "component")}`),
+    make("p", {}, `${plural(mesh.nodes, "node")}, ${elements}; couplings: `, ...(couplings.length ? couplings : ["none"]), `; ${plural(mesh.components, "component")}`),
     make("p", {}, `mass ${shown(mesh.mass.model)}, of the solid ${shown(mesh.mass.solid)} (${error} %)`),
     qualityTable(mesh.quality),
   ];

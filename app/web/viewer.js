@@ -143,7 +143,8 @@ export class Viewer {
     const rows = [row(right, sx, this.shift[0]), row(up, sy, this.shift[1]), row(eye, -depth, 0), [0, 0, 0, 1]];
     gl.uniformMatrix4fv(this.place.view, false, [0, 1, 2, 3].flatMap((c) => rows.map((r) => r[c])));
     gl.uniformMatrix3fv(this.place.turn, false, [0, 1, 2].flatMap((c) => [right, up, eye].map((r) => r[c])));
-    for (const part of this.parts) {
+    for (const part of [...this.parts.filter((p) => !isMark(p)), ...this.parts.filter(isMark)]) {
+      if (isMark(part)) gl.disable(gl.DEPTH_TEST); else gl.enable(gl.DEPTH_TEST);
       const isChosen = this.selected !== null && part.name.split(" ")[0] === this.selected;
       const fades = this.selected !== null && !isChosen && !part.isLines;
       const colour = fades ? part.colour.map((v, k) => (k < 3 ? 0.35 * v + 0.6 : v)) : part.colour;
@@ -237,5 +238,7 @@ export class Viewer {
   }
 }
 
+// Couplings are drawn last and over everything: most lie within a wall or beneath one.
+const isMark = (part) => /^(rbe2|rbe3|mpc) edges$/.test(part.name);
 const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 const cross = (a, b) => a[0] * b[1] - a[1] * b[0];

@@ -2,6 +2,7 @@
 
 import struct
 import zlib
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -9,7 +10,8 @@ from handmade import model_of
 
 from app.report.quality_scene import RAMP, quality_bodies
 from app.report.render import Scene, png, render
-from kernel.connect.model import Property
+from app.report.scenes import COUPLING_COLOURS, mesh_bodies
+from kernel.connect.model import Mpc, Property, Rbe2, Rbe3
 from kernel.mesh.mesh import ElementBlock
 
 RED, BLUE, BLACK = (255, 0, 0), (0, 0, 255), (0, 0, 0)
@@ -41,6 +43,29 @@ def test_a_line_on_a_face_is_seen_and_one_behind_it_is_not():
     image = render(scene((0.0, 1.0, RED), lines=[on, behind]), 100, 100, FROM_ABOVE)
     assert image[48:52, 50].min() < 10
     assert image[20:35, 50, 0].min() > 150
+
+
+def test_a_mark_behind_a_face_is_seen():
+    hidden = scene((0.0, 1.0, RED))
+    marks = np.array([[(-1, 0.5, -0.5), (1, 0.5, -0.5)]], float)
+    image = render(replace(hidden, marks=marks, mark_colours=np.array([BLUE], np.uint8)), 100, 100, FROM_ABOVE)
+    assert image[20:35, 50, 2].max() > 100
+
+
+def test_couplings_are_marks_from_the_node_that_stands_alone():
+    nodes = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], float)
+    block = ElementBlock("s1", "tri3", np.array([[0, 1, 2]]))
+    couplings = (
+        Rbe3(3, np.array([0, 1]), np.ones(2)),
+        Rbe2(0, np.array([3])),
+        Mpc(np.array([2, 3, 3]), np.array([1, 1, 2]), np.array([1.0, -0.5, -0.5])),
+    )
+    model = replace(model_of(nodes, [block], [Property("s1", "shell", "steel", thickness=1.0)]), couplings=couplings)
+    marks = {body.name: body for body in mesh_bodies(model) if body.is_mark}
+    assert {name: body.line_colour for name, body in marks.items()} == COUPLING_COLOURS
+    assert marks["rbe3"].lines.tolist() == [[[0, 0, 1], [0, 0, 0]], [[0, 0, 1], [1, 0, 0]]]
+    assert marks["rbe2"].lines.tolist() == [[[0, 0, 0], [0, 0, 1]]]
+    assert marks["mpc"].lines.tolist() == [[[0, 1, 0], [0, 0, 1]]]
 
 
 def test_a_face_turned_away_from_the_light_is_darker():
