@@ -125,7 +125,9 @@ class _Builder:
         if name not in here:
             raise self._unknown(statement, is_other=name in there, is_flat=frame.is_flat)
         if statement.children:
-            raise self._error(statement, f"{name} has children, expected none")
+            child = statement.children[0].place(self.source)
+            where = f"line {child.line}, column {child.column}"
+            raise self._error(statement, f"{name} has children, expected none, or a ';' before what begins at {where}")
         self.n_leaf += 1
         if self.n_leaf > MAX_NODES:
             raise self._error(statement, f"too many primitives, expected at most {MAX_NODES}")

@@ -9,6 +9,7 @@ from csg_membership import holds
 
 from kernel.csg.reader import read_model
 from kernel.csg.tree import Hull, walk
+from kernel.csg.treejson import tree_to_json
 from kernel.errors import ReadError
 
 CUBE = "cube(size = [1, 2, 3], center = false);"
@@ -326,8 +327,14 @@ def test_source_instead_of_csg_and_unknown_names_are_told_apart(name):
         (f"union() {{\n {CUBE}\n", "m.csg:1:9: '{' is never closed, expected '}'"),
         (f"{CUBE}\n}}", "m.csg:2:1: '}' closes nothing, expected its opening bracket before it"),
         ("cube(size = [1, 1, 1};", "m.csg:1:21: found '}', expected ']' for the '[' of line 1"),
-        ("cube(size = [1, 1, 1])\nsphere(r = 1);", "m.csg:2:1: found 'sphere', expected ';' or '{'"),
-        ("cube(size = [1, 1, 1])", "m.csg:1:23: the file ends here, expected ';' or '{'"),
+        (
+            "cube(size = [1, 1, 1])\nsphere(r = 1);",
+            "m.csg:1:1: cube has children, expected none, or a ';' before what begins at line 2, column 1",
+        ),
+        (
+            "cube(size = [1, 1, 1])",
+            "m.csg:1:23: the file ends here, expected ';', '{' or a name such as cube or union",
+        ),
         ("sphere(r = 1);\n/* open\n", "m.csg:2:1: a comment is never closed, expected '*/'"),
         ('sphere("r);', "m.csg:1:8: a string is never closed, expected '\"'"),
         ("sphere(r = -1);", "m.csg:1:8: sphere's r is -1, expected a number over 0"),
@@ -368,7 +375,10 @@ def test_source_instead_of_csg_and_unknown_names_are_told_apart(name):
         ("sphere(1, 2);", "m.csg:1:1: sphere has 2 positional arguments, expected 1"),
         ('cube(size = "big");', 'm.csg:1:6: cube\'s size is "big", expected 3 finite numbers over 0'),
         ("cube(size = 1, center = 3);", "m.csg:1:16: cube's center is 3, expected true or false"),
-        (f"sphere(r = 1) {{ {CUBE} }}", "m.csg:1:1: sphere has children, expected none"),
+        (
+            f"sphere(r = 1) {{ {CUBE} }}",
+            "m.csg:1:1: sphere has children, expected none, or a ';' before what begins at line 1, column 17",
+        ),
         ("difference() { }", "m.csg:1:1: difference has no operand, expected a solid and what is cut from it"),
         ("difference();", "m.csg:1:1: difference has no operand, expected a solid and what is cut from it"),
         (
@@ -480,3 +490,12 @@ def test_blanks_and_digits_that_json_does_not_know_are_read_too(size):
     assert root(f"cube(size = {size}, center = false);").size == (1.0, 2.0, 3.0)
     matrix = "[[1, 0, 0, 5], [0, 1, 0, 6], [0, 0, 1, 7], [0, 0,\u2003 0, 1]]"
     assert root(f"multmatrix({matrix}) {{ {CUBE} }}").placement[:3, 3].tolist() == [5.0, 6.0, 7.0]
+
+
+def test_a_single_child_needs_no_braces() -> None:
+    moved = "multmatrix([[1, 0, 0, 5], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]])"
+    braced = f"difference() {{ {CUBE} {moved} {{ %group() {{ {CUBE} }} {CUBE} }} }}"
+    bare = braced.replace("%group() { " + CUBE + " }", "%group()   " + CUBE + "  ")
+    assert bare != braced
+    assert tree_to_json(read_model(bare, "m.csg")) == tree_to_json(read_model(braced, "m.csg"))
+    assert root(f"{moved} union() {CUBE}").placement[:3, 3].tolist() == [5, 0, 0]
