@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator
 
 import numpy as np
-from plates import hole, rectangle, rings_region, sided
+from plates import arc_lengths, hole, rectangle, rings_region, sided
 
 from kernel.mesh.gaps import SampledCurve, divide, gap_sizes
 from kernel.mesh.region import Region
@@ -53,7 +53,7 @@ def rows_of_holes(gap: float) -> Region:
             curves.append(SampledCurve(place, 4 + 4 * i + j, 4 + 4 * i + j, True, size))
     rings: list[np.ndarray] = []
     for curve, wanted in zip(curves, gap_sizes(curves)):
-        along = curve.along
+        along = arc_lengths(curve.points)
         seeds = np.concatenate([[0.0], divide(along, wanted, 2 if len(rings) == 0 else 16, True)])
         places = np.column_stack([np.interp(seeds, along, curve.points[:, k]) for k in range(2)])
         rings.append(places)

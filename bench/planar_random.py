@@ -18,6 +18,7 @@ from shapely import LineString, Point, Polygon
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "tests" / "mesh"))
 from planar_regions import assert_meshes, least_angles, scaled_jacobian
+from plates import arc_lengths
 
 from kernel.errors import MeshError
 from kernel.mesh.gaps import SAMPLES_PER_SIZE, SampledCurve, divide, gap_sizes
@@ -96,7 +97,7 @@ class Shape:
 
         t = np.linspace(0, 2 * np.pi, max(128, int(SAMPLES_PER_SIZE * 2 * np.pi * radius / self.size)) + 1)
         curve = SampledCurve(place(t), self.n_vertex, self.n_vertex, True, min(self.size, 2 * math.pi * radius / 16))
-        length = curve.along[-1]
+        length = arc_lengths(curve.points)[-1]
         self.curves.append(curve)
         self.places.append(lambda s: place(2 * np.pi * s / length))
         self.rounds.append(True)
@@ -116,7 +117,7 @@ class Shape:
 
         for curve, wanted, place, is_round in zip(self.curves, sizes, self.places, self.rounds):
             least = (16 if is_even else 8) if is_round else 2 if is_even else 1
-            inner = place(divide(curve.along, wanted, least, is_even))
+            inner = place(divide(arc_lengths(curve.points), wanted, least, is_even))
             for vertex, point in ((curve.first, curve.points[0]), (curve.last, curve.points[-1])):
                 if vertex not in numbers:
                     numbers[vertex] = add(point)

@@ -112,3 +112,8 @@ def graded_plate() -> tuple[Region, float]:
     rings = [sided([(0, 0), (200, 0), (200, 100), (0, 100)], [4, 1, 4, 10])]
     rings += [hole(50, 50, 10, 0.8, True), hole(130, 60, 20, 8, True)]
     return rings_region(rings), 4.0
+
+
+def arc_lengths(points: np.ndarray) -> np.ndarray:
+    """(n,) lengths from the first of points (n, 2) along the line through them."""
+    return np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])

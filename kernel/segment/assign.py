@@ -4,10 +4,13 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from kernel.errors import OverrideError
 from kernel.segment.prism import Prism, measure
 from kernel.segment.shapes import Draft, wall_type
 from kernel.segment.walls import PlaneWall, TubeWall, enclosing_tube
+from kernel.units import ANGLE_TOLERANCE
 
 if TYPE_CHECKING:
     from kernel.plan import Decision
@@ -89,7 +92,10 @@ def _as_beam(piece: Piece, decision: Decision) -> Draft:
 
 
 def _as_plate(piece: Piece, decision: Decision) -> Draft:
+    """An analyst may call one plate what the rules call several, as a plate with pockets: all have to be parallel."""
     wall = _only_plane_wall(piece)
+    if wall is None and decision.origin == "override":
+        wall = _largest_of_parallel_walls(piece)
     if wall is None:
         exact = [sweep for sweep in piece.sweeps if sweep.is_exact]
         if not exact:
@@ -105,6 +111,17 @@ def _only_plane_wall(piece: Piece) -> PlaneWall | None:
     if len(parts) == 1 and piece.walls.share >= WHOLE_WALL and isinstance(parts[0].wall, PlaneWall):
         return parts[0].wall
     return None
+
+
+def _largest_of_parallel_walls(piece: Piece) -> PlaneWall | None:
+    """The wall that holds most, where the piece is nothing but walls parallel to one another."""
+    parts = piece.walls.parts
+    walls = [part.wall for part in parts if isinstance(part.wall, PlaneWall)]
+    if not walls or len(walls) < len(parts) or piece.walls.share < WHOLE_WALL:
+        return None
+    if any(np.abs(np.cross(wall.normal, walls[0].normal)).max() > ANGLE_TOLERANCE for wall in walls):
+        return None
+    return walls[int(np.argmax([part.solid.volume for part in parts]))]
 
 
 def _across(piece: Piece, prism: Prism) -> PlaneWall:

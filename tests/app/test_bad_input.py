@@ -175,7 +175,7 @@ def test_a_reader_that_goes_away_is_no_error(tmp_path):
         (["mesh", "a.csg", "-o", "a.bdf", "--size", "abc"], "--size: 'abc' is wrong, expected a number"),
         (["mesh", "a.csg", "-o", "a.bdf", "--size=abc"], "--size: 'abc' is wrong, expected a number"),
         (["serve", "--port", "http"], "--port: 'http' is wrong, expected a whole number"),
-        (["mesch", "a.csg"], "unknown command 'mesch', expected one of mesh, classify"),
+        (["mesch", "a.csg"], "unknown command 'mesch', expected one of mesh, batch, classify"),
         (["mesh", "a.csg", "--siz", "3"], "unknown option --siz, expected csgmesh mesh MODEL"),
         (["rules", "chek"], "unknown command 'chek', expected one of check, test"),
         (["rules", "check", "nofile.yaml"], "there is no rule base nofile.yaml, expected a YAML file, a folder"),

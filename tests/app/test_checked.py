@@ -12,6 +12,7 @@ from app.cli import run
 from app.work import mesh_task
 from kernel.connect import checks
 from kernel.errors import CheckError
+from kernel.idealise import ledger
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
 TABLE = str(EXAMPLES / "table.csg")
@@ -91,14 +92,27 @@ def pocketed(tmp_path, floor: float) -> list[str]:
     return ["mesh", str(tmp_path / "plate.csg"), "-o", str(tmp_path / "a.bdf"), "--size", "40"]
 
 
-def test_a_plate_whose_thickness_is_not_its_materials_is_refused(capsys, tmp_path):
-    given = pocketed(tmp_path, 4.0)
+def test_a_plate_whose_thickness_is_not_its_materials_is_refused(capsys, tmp_path, monkeypatch):
+    """Countersinks take more than the holes that the mid-surface has."""
+    monkeypatch.setattr(ledger, "MISFIT", 0.005)
+    sinks = (f" &\n DIF CON(10,30,10) AT(MOVX={50 + 100 * k},MOVY={50 + 100 * j})" for k in range(4) for j in range(4))
+    (tmp_path / "plate.csg").write_text(f"P = BLO(400,400,10){''.join(sinks)}\nOUT P\n")
+    given = ["mesh", str(tmp_path / "plate.csg"), "-o", str(tmp_path / "a.bdf"), "--size", "20"]
     assert run(given) != 0
     said = capsys.readouterr().err
-    assert "s1 (/) is 10 thick as a plate, and its material 10.76 on average (-7.1% of its volume)" in said
+    assert re.search(
+        r"s1 \(/\) is 10 thick as a plate, and its material 9\.\d+ on average \(\+1\.\d% of its volume\)", said
+    )
     assert not (tmp_path / "a.bdf").exists()
     assert run([*given, "--unchecked"]) == 0
     assert "check failed: s1" in capsys.readouterr().err
+
+
+def test_a_plate_with_pockets_is_its_floors_and_what_is_round_them(capsys, tmp_path):
+    assert run([*pocketed(tmp_path, 4.0), "--json"]) == 0
+    answer = json.loads(capsys.readouterr().out)
+    assert sorted(segment["thickness"] for segment in answer["segments"]) == pytest.approx([4.0] * 4 + [10.0])
+    assert answer["mass"]["error"] == pytest.approx(0.0, abs=1e-9)
 
 
 def test_an_analyst_may_say_that_it_is_a_plate_and_is_warned(capsys, tmp_path):

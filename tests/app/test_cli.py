@@ -49,6 +49,7 @@ def test_help_names_every_command_and_only_those_that_work(csgmesh):
         "connect",
         "edit",
         "rules",
+        "token",
     ]
     for name in listed:
         assert "Usage: csgmesh" in csgmesh(name, "--help")

@@ -94,6 +94,6 @@ def test_areas_that_cannot_be_joined_are_an_error_that_names_the_node(monkeypatc
     def refuse(*_):
         raise GEOSException("side location conflict")
 
-    monkeypatch.setattr("kernel.segment.partition.shape_of", refuse)
+    monkeypatch.setattr("kernel.segment.numbering.shape_of", refuse)
     with pytest.raises(MeshError, match=r"^/.*faces cannot be joined as areas"):
         partition(evaluate(read_model("UNITS mm\nM = BLO(90, 90, 90)\n", "test")), RULES.decide, {})

@@ -7,6 +7,7 @@ import math
 import numpy as np
 import pytest
 from planar_regions import assert_meshes, hole, least_angles, polygon, rectangle, region, scaled_jacobian
+from plates import arc_lengths
 
 from kernel.mesh.gaps import SampledCurve, divide, gap_sizes
 from kernel.mesh.planar import mesh_region
@@ -21,8 +22,9 @@ def seeded_by_gaps(gap: float) -> list[np.ndarray]:
         circles.append(SampledCurve(np.column_stack([x + 6 * np.cos(t), 15 + 6 * np.sin(t)]), k, k, True, 2.0))
     rings = []
     for curve, sizes in zip(circles, gap_sizes(circles)):
-        seeds = np.concatenate([[0.0], divide(curve.along, sizes, 16, True)])
-        rings.append(np.column_stack([np.interp(seeds, curve.along, curve.points[:, k]) for k in range(2)]))
+        along = arc_lengths(curve.points)
+        seeds = np.concatenate([[0.0], divide(along, sizes, 16, True)])
+        rings.append(np.column_stack([np.interp(seeds, along, curve.points[:, k]) for k in range(2)]))
     return rings
 
 
