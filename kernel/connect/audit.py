@@ -133,28 +133,32 @@ def edge_cracks(mesh: Mesh, curve_uses: NDArray[np.int64]) -> int:
     """Mesh edges whose number of shell elements is wrong.
 
     curve_uses: (n, 3) rows (node, node, expected number) for every edge on a curve. Every other edge of a shell lies
-    inside a face, so that exactly two elements share it.
+    inside a face, so that exactly two elements of its segment share it; two segments may have an edge between the same
+    two nodes, each in its own face, where both nodes are on the curve in which they cross.
     """
     if len(curve_uses) == 0:
         return 0
-    sides = [
-        np.sort(block.connectivity[:, list(edge)], axis=1)
-        for block in mesh.blocks
-        if ELEMENT_KINDS[block.kind].dimension == 2
-        for edge in ELEMENT_KINDS[block.kind].edges
-    ]
-    found = np.concatenate(sides) if sides else np.empty((0, 2), np.int64)
-    key = np.int64(mesh.n_node)
-    edges, counts = np.unique(found[:, 0] * key + found[:, 1], return_counts=True)
+    number = {name: k for k, name in enumerate(dict.fromkeys(block.segment for block in mesh.blocks))}
+    key, n_segment = np.int64(max(mesh.n_node, 1)), np.int64(max(len(number), 1))
+    sides = [np.empty(0, np.int64)]
+    for block in mesh.blocks:
+        if ELEMENT_KINDS[block.kind].dimension == 2:
+            for edge in ELEMENT_KINDS[block.kind].edges:
+                ends = np.sort(block.connectivity[:, list(edge)], axis=1)
+                sides.append((ends[:, 0] * key + ends[:, 1]) * n_segment + number[block.segment])
+    used, counts = np.unique(np.concatenate(sides), return_counts=True)
+    edges = used // n_segment
     listed = np.sort(curve_uses[:, :2], axis=1)
     curve_keys = listed[:, 0] * key + listed[:, 1]
-    expected = np.full(len(edges), 2)
-    position = np.searchsorted(edges, curve_keys)
-    inside = position < len(edges)
-    inside[inside] = edges[position[inside]] == curve_keys[inside]
-    expected[position[inside]] = curve_uses[inside, 2]
-    missing = int((curve_uses[~inside, 2] > 0).sum())
-    return int((counts != expected).sum()) + missing
+    inside_a_face = ~np.isin(edges, curve_keys)
+    wrong = len(np.unique(edges[inside_a_face & (counts != 2)]))
+    order = np.argsort(curve_keys, kind="stable")
+    on_curves = ~inside_a_face
+    totals = np.bincount(
+        np.searchsorted(curve_keys[order], edges[on_curves]), counts[on_curves], minlength=len(curve_keys)
+    )
+    found = totals[np.searchsorted(curve_keys[order], curve_keys)]
+    return wrong + int((found != curve_uses[:, 2]).sum())
 
 
 def loose_arms(model: Model, arms: NDArray[np.int64]) -> int:

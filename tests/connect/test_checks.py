@@ -12,7 +12,7 @@ from kernel.connect.checks import dependence
 from kernel.connect.couplings import nodes_with_rotations
 from kernel.connect.mass import block_moments, solid_moments, total
 from kernel.connect.model import Mpc, Property, Rbe2
-from kernel.mesh.mesh import ElementBlock
+from kernel.mesh.mesh import ElementBlock, Mesh
 from kernel.mesh.order import middle_nodes, to_second_order
 
 
@@ -83,6 +83,17 @@ def test_the_crack_audit_knows_each_edge():
     assert edge_cracks(mesh, good[:-1]) == 1  # an edge used once that no curve knows
     assert edge_cracks(mesh, np.vstack([good, [(4, 5, 3)]])) == 1  # two elements where three faces meet
     assert edge_cracks(mesh, np.vstack([good, [(0, 8, 2)]])) == 1  # a curve's edge that no element has
+
+
+def test_two_walls_may_each_have_an_edge_between_the_nodes_in_which_they_cross() -> None:
+    """Two squares over the same four nodes, each cut along the same diagonal; in one wall that would be a fold."""
+    nodes = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], float)
+    halves = np.array([[0, 1, 2], [0, 2, 3]])
+    rim = np.array([(0, 1, 2), (1, 2, 2), (2, 3, 2), (0, 3, 2)])
+    two = Mesh(nodes, (ElementBlock("s1", "tri3", halves), ElementBlock("s2", "tri3", halves)))
+    assert edge_cracks(two, rim) == 0
+    folded = Mesh(nodes, (ElementBlock("s1", "tri3", np.concatenate([halves, halves])),))
+    assert edge_cracks(folded, rim) == 1
 
 
 def test_a_freedom_that_depends_twice_or_in_a_chain_is_counted():
