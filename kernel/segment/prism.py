@@ -13,7 +13,7 @@ import shapely
 from numpy.typing import NDArray
 from shapely import MultiPolygon, Polygon
 
-from kernel.segment.slices import outline_points, slice_loops, slice_polygon, smallest_rectangle
+from kernel.segment.slices import outline_points, parts_of, slice_loops, slice_polygon, smallest_rectangle
 from kernel.solid.surfaces import ConeSurface, CylinderSurface, Plane, TorusSurface, plane_frame
 from kernel.units import ANGLE_TOLERANCE, MODEL_TOLERANCE
 
@@ -178,7 +178,10 @@ def sweep_along(solid: Solid, direction: Vector) -> Sweep:
 
 
 def measure(solid: Solid, sweep: Sweep) -> Prism | None:
-    """The solid measured along `sweep`; None where no section has an area."""
+    """The solid measured along `sweep`; None where no section has an area, or where most are in several pieces.
+
+    The latter is no member but several side by side that meet at an end: a post of angle that a panel cuts through.
+    """
     u, v, _ = plane_frame(sweep.direction)
     shares = [0.5] if sweep.is_exact else [(k + 0.5) / SECTION_COUNT for k in range(SECTION_COUNT)]
     offsets = [sweep.start + share * sweep.length for share in shares]
@@ -187,7 +190,7 @@ def measure(solid: Solid, sweep: Sweep) -> Prism | None:
     order = np.argsort(areas, kind="stable")
     middle = int(order[len(order) // 2])
     median, area = sections[middle], float(areas[middle])
-    if area <= 0.0:
+    if area <= 0.0 or (not sweep.is_exact and len(parts_of(median)) > 1):
         return None
     deviations = tuple(float(section.symmetric_difference(median).area) / area for section in sections)
     long_side, short_side = smallest_rectangle(median)

@@ -17,6 +17,7 @@ from kernel.plan import Conclusion, Need
 from kernel.segment.operands import operand_at
 from kernel.segment.partition import partition
 from kernel.segment.pieces import Piece
+from kernel.segment.prism import measure, sweep_along
 from kernel.segment.slices import smallest_rectangle
 from kernel.solid.evaluate import evaluate
 
@@ -224,3 +225,13 @@ def test_a_hull_with_sides_of_rounding_has_a_rectangle_too() -> None:
 
 def test_points_in_line_have_no_rectangle() -> None:
     assert smallest_rectangle(shapely.multipoints([(0, 0), (1, 1), (2, 2)])) == (0.0, 0.0)
+
+
+def test_a_fork_is_no_member_along_its_prongs() -> None:
+    """Most of its sections are in two pieces; with the slot filled it is a member."""
+    bar = "cube(size = [20, 4, 200], center = false);"
+    slot = at(5, -1, 20, "cube(size = [10, 6, 200], center = false);")
+    fork, whole = (piece_of(body).solid for body in (f"difference() {{ {bar} {slot} }}", bar))
+    along = np.array([0.0, 0.0, 1.0])
+    assert measure(fork, sweep_along(fork, along)) is None
+    assert measure(whole, sweep_along(whole, along)) is not None
