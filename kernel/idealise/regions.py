@@ -106,6 +106,8 @@ def _region(
             lumps += about
             whole += all_round
     own = _without_dust(topology, wall, crossings)
+    # of the shapes as they are: between one that is on the grid and one that is not there would be slivers
+    held = own.difference(shapely.union_all([*laid.trims, *whole]))
     bridged = [part for crossing in crossings for part in _bridges(topology, wall, crossing)]
     beyond = [*laid.strips, *lumps]
     around = _beside([*bridged, *_material(wall, nearby, sections)], beyond, grid)
@@ -122,7 +124,6 @@ def _region(
     grown = _without_pinholes(grown, beyond, lumps, PINHOLE * wall.thickness**2)
     lines = shapely.union_all([grown.boundary, *cuts], grid_size=spacing)
     cells = parts_of(shapely.polygonize(shapely.get_parts(lines)))
-    held = own.difference(shapely.union_all([*laid.trims, *whole]))
     kept = _kept_cells(cells, wall, grown, held, shapely.geometrycollections(cuts), grid)
     region = shapely.union_all(kept, grid_size=spacing)
     return shapely.union_all([part for part in parts_of(region) if part.area >= CRUMB * region.area])
