@@ -178,7 +178,7 @@ def sweep_along(solid: Solid, direction: Vector) -> Sweep:
 
 
 def measure(solid: Solid, sweep: Sweep) -> Prism | None:
-    """The solid measured along `sweep`; None where no section has an area, or where most are in several pieces.
+    """The solid measured along `sweep`; None where no section has an area or a width, or most are in several pieces.
 
     The latter is no member but several side by side that meet at an end: a post of angle that a panel cuts through.
     """
@@ -194,6 +194,8 @@ def measure(solid: Solid, sweep: Sweep) -> Prism | None:
         return None
     deviations = tuple(float(section.symmetric_difference(median).area) / area for section in sections)
     long_side, short_side = smallest_rectangle(median)
+    if short_side <= 0.0:
+        return None
     return Prism(
         sweep=sweep,
         u=u,
