@@ -17,6 +17,7 @@ import queue
 import threading
 import time
 from collections.abc import Callable, Generator, Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -144,47 +145,30 @@ def run(
 @contextmanager
 def _pool(tasks: Sequence[Task], folder: Path, doers: Sequence[Do]) -> Iterator[Callable[[Task], Record]]:
     """A function that waits for the record of a task; threads, one a doer, see to the tasks in their order."""
-    waiting: queue.SimpleQueue[Task] = queue.SimpleQueue()
-    for task in tasks:
-        waiting.put(task)
-    records: dict[str, Record | BaseException] = {}
-    change = threading.Condition()
+    idle: queue.SimpleQueue[Do] = queue.SimpleQueue()
+    for do in doers:
+        idle.put(do)
+    writing = threading.Lock()
     is_stopping = threading.Event()
 
-    def work(do: Do) -> None:
-        while not is_stopping.is_set():
-            try:
-                task = waiting.get_nowait()
-            except queue.Empty:
-                return
-            try:
-                record: Record | BaseException = _done(task, folder, do)
-            except BaseException as error:  # noqa: BLE001  the thread that waits raises it
-                record = error
-            with change:
-                if isinstance(record, dict) and not is_stopping.is_set():
-                    try:
-                        _append_record(folder, record)
-                    except OSError as error:
-                        record = OptionError(f"{folder / RECORDS}: cannot be written, {error.strerror}")
-                records[task.model] = record
-                change.notify_all()
-
-    def ended(task: Task) -> Record:
-        with change:
-            change.wait_for(lambda: task.model in records)
-        record = records[task.model]
-        if isinstance(record, BaseException):
-            raise record
+    def work(task: Task) -> Record:
+        do = idle.get()
+        try:
+            record = _done(task, folder, do)
+        finally:
+            idle.put(do)
+        with writing:
+            if not is_stopping.is_set():
+                _append_record(folder, record)
         return record
 
-    threads = [threading.Thread(target=work, args=(do,), daemon=True) for do in doers]
-    for thread in threads:
-        thread.start()
+    executor = ThreadPoolExecutor(len(doers))
+    futures = {task.model: executor.submit(work, task) for task in tasks}
     try:
-        yield ended
+        yield lambda task: futures[task.model].result()
     finally:
         is_stopping.set()
+        executor.shutdown(wait=False, cancel_futures=True)
 
 
 def _done(task: Task, folder: Path, do: Do) -> Record:
@@ -245,8 +229,12 @@ def _hash_of(path: Path) -> str | None:
 
 
 def _append_record(folder: Path, record: Record) -> None:
-    with (folder / RECORDS).open("a", encoding="utf-8") as stream:
-        stream.write(_line(record))
+    path = folder / RECORDS
+    try:
+        with path.open("a", encoding="utf-8") as stream:
+            stream.write(_line(record))
+    except OSError as error:
+        raise OptionError(f"{path}: cannot be written, {error.strerror}") from error
 
 
 def _write_records(folder: Path, records: Sequence[Record]) -> None:

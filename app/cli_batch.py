@@ -87,7 +87,7 @@ def batch(
     What became of each stands in FOLDER/batch.jsonl. The exit status is 0 where all are meshed.
     """
     from app.batch import exit_status, local_doers, open_folder, plan, run
-    from app.materialfile import ENDINGS, read_material
+    from app.materialfile import asked_material
     from app.meshoptions import asked, by_name, check_coupling_and_mass, read_options
     from kernel.deck.deck import format_for
     from rules.engine import load_rule_base
@@ -108,10 +108,7 @@ def batch(
         layers=layers,
         tee=tee,
     )
-    materials = {}
-    if material is not None and material.lower().endswith(ENDINGS):
-        material, values = read_material(material)
-        materials[material] = values
+    material, materials = asked_material(material)
     pinned = [
         {"node": node, "type": one.type, "author": one.author, "reason": one.reason}
         for node, one in overrides(override).items()

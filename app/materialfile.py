@@ -25,10 +25,16 @@ def with_material(csg: CsgModel, option: str | None) -> tuple[CsgModel, str | No
 
     OptionError: the file cannot be read or describes no material.
     """
+    name, materials = asked_material(option)
+    return replace(csg, materials={**csg.materials, **materials}) if materials else csg, name
+
+
+def asked_material(option: str | None) -> tuple[str | None, dict[str, dict[str, float]]]:
+    """The name of the material that `option` (a name, or a file) means, and the file's values by that name."""
     if option is None or not option.lower().endswith(ENDINGS):
-        return csg, option
+        return option, {}
     name, values = read_material(option)
-    return replace(csg, materials={**csg.materials, name: values}), name
+    return name, {name: values}
 
 
 def read_material(path: str) -> tuple[str, dict[str, float]]:

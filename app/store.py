@@ -329,9 +329,9 @@ def new_id() -> str:
     return secrets.token_hex(12)
 
 
-def now() -> str:
-    """UTC, ISO 8601, microseconds."""
-    return datetime.datetime.now(datetime.UTC).isoformat(timespec="microseconds")
+def now(later: datetime.timedelta = datetime.timedelta(0)) -> str:
+    """UTC, ISO 8601, microseconds; `later` than now, which may be before it."""
+    return (datetime.datetime.now(datetime.UTC) + later).isoformat(timespec="microseconds")
 
 
 def _without_password(database: str) -> str:

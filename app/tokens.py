@@ -36,7 +36,7 @@ def create_token(store: Store, name: str, days: int | None = None) -> tuple[str,
     if days is not None and not 1 <= days <= MAX_DAYS:
         raise OptionError(f"a token for {days} days, expected 1 to {MAX_DAYS}")
     secret = PREFIX + secrets.token_urlsafe(32)
-    expires = None if days is None else _stamp(datetime.datetime.now(datetime.UTC) + datetime.timedelta(days=days))
+    expires = None if days is None else now(datetime.timedelta(days=days))
     return secret, store.add_token(name, digest_of(secret), expires)
 
 
@@ -55,7 +55,7 @@ def admitted(store: Store, secret: str) -> TokenRow | None:
     row = store.token_of(digest_of(secret))
     if row is None or not holds(row):
         return None
-    if row.used is None or row.used < _stamp(datetime.datetime.now(datetime.UTC) - USE_NOTED_EVERY):
+    if row.used is None or row.used < now(-USE_NOTED_EVERY):
         store.note_use(row.id)
     return row
 
@@ -75,7 +75,3 @@ def state_of(row: TokenRow) -> str:
 def digest_of(secret: str) -> str:
     """SHA-256; a random secret of 256 bits needs no salt and no slow hash."""
     return hashlib.sha256(secret.encode("utf-8", "surrogateescape")).hexdigest()
-
-
-def _stamp(moment: datetime.datetime) -> str:
-    return moment.isoformat(timespec="microseconds")

@@ -6,6 +6,7 @@ A task is a function (payload, artifacts, progress) -> result, named in TASKS. I
 from __future__ import annotations
 
 import contextlib
+import functools
 import json
 import os
 import pickle
@@ -265,7 +266,7 @@ def serve_tasks(connection: Connection, artifacts_folder: str) -> None:
     with contextlib.suppress(EOFError, BrokenPipeError, ConnectionResetError):
         while True:
             number, task, payload = connection.recv()
-            report = reporter(lambda stage, share: connection.send((number, "progress", stage, share)))  # noqa: B023
+            report = reporter(functools.partial(_send_progress, connection, number))
             connection.send((number, *_run(task, payload, artifacts, report)))
 
 
@@ -282,6 +283,10 @@ def _run(task: str, payload: Payload, artifacts: Artifacts, progress: Progress) 
             return "failed", error
         record_defect(error)
         return "failed", DefectError(f"{type(error).__name__}: {error}")
+
+
+def _send_progress(connection: Connection, number: int, stage: str, share: float) -> None:
+    connection.send((number, "progress", stage, share))
 
 
 def reporter(send: Progress) -> Progress:

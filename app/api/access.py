@@ -78,9 +78,7 @@ class Access:
 
     def _is_admitted(self, scope: Scope) -> bool:
         store = self._context.store
-        if not store.has_tokens():
-            return True
-        return any(admitted(store, secret) is not None for secret in _secrets(scope))
+        return any(admitted(store, secret) is not None for secret in _secrets(scope)) or not store.has_tokens()
 
 
 def install(application: FastAPI, context: Context) -> None:

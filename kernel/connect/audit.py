@@ -150,14 +150,11 @@ def edge_cracks(mesh: Mesh, curve_uses: NDArray[np.int64]) -> int:
     edges = used // n_segment
     listed = np.sort(curve_uses[:, :2], axis=1)
     curve_keys = listed[:, 0] * key + listed[:, 1]
-    inside_a_face = ~np.isin(edges, curve_keys)
-    wrong = len(np.unique(edges[inside_a_face & (counts != 2)]))
-    order = np.argsort(curve_keys, kind="stable")
-    on_curves = ~inside_a_face
-    totals = np.bincount(
-        np.searchsorted(curve_keys[order], edges[on_curves]), counts[on_curves], minlength=len(curve_keys)
-    )
-    found = totals[np.searchsorted(curve_keys[order], curve_keys)]
+    on_curves = np.isin(edges, curve_keys)
+    wrong = len(np.unique(edges[~on_curves & (counts != 2)]))
+    known = np.sort(curve_keys)
+    totals = np.bincount(np.searchsorted(known, edges[on_curves]), counts[on_curves], minlength=len(known))
+    found = totals[np.searchsorted(known, curve_keys)]
     return wrong + int((found != curve_uses[:, 2]).sum())
 
 

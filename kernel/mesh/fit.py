@@ -112,6 +112,14 @@ def _faces_at(keys: Indices, labels: Indices) -> tuple[Indices, list[tuple[int, 
     return unique, [tuple(group.tolist()) for group in np.split(pairs[:, 1], start[1:])]
 
 
+def _by_faces(faces: list[tuple[int, ...]]) -> list[tuple[tuple[int, ...], list[int]]]:
+    """The sets of faces that occur, in their order, each with the rows where it does."""
+    found: dict[tuple[int, ...], list[int]] = {}
+    for row, group in enumerate(faces):
+        found.setdefault(group, []).append(row)
+    return sorted(found.items())
+
+
 def _targets(
     brep: Brep, size: float, nodes: Array, triangles: Indices, labels: Indices, envelope: float
 ) -> dict[int, Array]:
@@ -120,10 +128,7 @@ def _targets(
     places = nodes[unique].copy()
     shortest = _shortest_edges(nodes, triangles)[unique]
     limit = np.minimum(REACH * envelope, REACH_OF_EDGE * shortest)
-    by_faces: dict[tuple[int, ...], list[int]] = {}
-    for row, group in enumerate(faces):
-        by_faces.setdefault(group, []).append(row)
-    for group, rows in sorted(by_faces.items()):
+    for group, rows in _by_faces(faces):
         near = _settle(brep, size, nodes[unique[rows]], group, limit[rows])
         # beside a very short edge a way of an envelope is not short: the shape of the tets alone bounds it
         off = ~_stand_on(brep, size, near, group)
@@ -136,13 +141,10 @@ def _targets(
 def _astray(brep: Brep, size: float, targets: dict[int, Array], triangles: Indices, labels: Indices) -> Indices:
     """The boundary nodes that have no place on any of their faces' surfaces."""
     unique, faces = _faces_at(triangles.ravel(), np.repeat(labels, 3))
-    by_faces: dict[tuple[int, ...], list[int]] = {}
-    for node, group in zip(unique.tolist(), faces):
-        by_faces.setdefault(group, []).append(node)
     astray = [np.empty(0, np.int64)]
-    for group, rows in sorted(by_faces.items()):
-        places = np.array([targets[node] for node in rows])
-        astray.append(np.array(rows, np.int64)[~_stand_on(brep, size, places, group)])
+    for group, rows in _by_faces(faces):
+        places = np.array([targets[node] for node in unique[rows].tolist()])
+        astray.append(unique[rows][~_stand_on(brep, size, places, group)])
     return np.concatenate(astray)
 
 
@@ -257,10 +259,7 @@ def _middles(brep: Brep, size: float, nodes: Array, triangles: Indices, labels: 
     straight = 0.5 * (nodes[edges[:, 0]] + nodes[edges[:, 1]])
     middles = straight.copy()
     length = np.linalg.norm(nodes[edges[:, 1]] - nodes[edges[:, 0]], axis=1)
-    by_faces: dict[tuple[int, ...], list[int]] = {}
-    for row, group in enumerate(faces):
-        by_faces.setdefault(group, []).append(row)
-    for group, rows in sorted(by_faces.items()):
+    for group, rows in _by_faces(faces):
         surfaces = [brep.faces[face].surface for face in group]
         ends_on = np.ones(len(rows), bool)
         for surface in surfaces:
